@@ -1,0 +1,277 @@
+"""Coordination of a fleet's timing: from paths to schedules that keep all robots apart (3.3)."""
+
+import math
+import time
+from dataclasses import replace
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order, contradiction, forced_reasons
+from social_fleet.coordination.event_graph import Motion
+from social_fleet.coordination.paper_program import solve_as_printed
+from social_fleet.coordination.program import Contradiction, ExactProgram, Solution
+from social_fleet.coordination.repair import Repairs, Replanner
+from social_fleet.coordination.robot import Robot
+from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
+from social_fleet.coordination.timing import Timing, nominal_timing
+from social_fleet.errors import Infeasible, InvalidScenario
+
+MODES = ("simultaneous", "sequential", "unified")
+FORMULATIONS = ("exact", "paper")
+
+_END_TOLERANCE = 1e-3  # by which a fixed schedule may miss the ends of its path [m]
+
+
+def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Sequence[Schedule] = (),
+               formulation: str = "exact", time_margin: float = 1.0, tracking_tolerance: float = 0.1,
+               time_limit: float = 30.0, solver: Optional[str] = None, replanner: Optional[Replanner] = None,
+               repairs: int = 50, version: int = 1) -> FleetSchedule:
+    """Schedules for `robots` along their paths such that no two discs ever touch.
+
+    Parameters
+    ----------
+    robots : sequence of Robot
+        The robots to schedule, in any order: the result depends on their names only.
+    mode : str
+        ``simultaneous`` or ``unified``: all at once, round what is `fixed`; ``sequential``: one after the other in
+        the given order, each round those before it.
+    fixed : sequence of Schedule
+        Schedules already under way, on the same clock; they are not changed.
+    formulation : str
+        ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
+    time_margin : float
+        delta, the time between one robot's leaving a window and the next one's entering [s].
+    tracking_tolerance : float
+        How far a robot may be from where its schedule says [m].
+    time_limit : float
+        Wall time for everything [s].
+    solver : str, optional
+        ``highs``, ``cbc`` or another of PuLP's; by default the best that is there.
+    replanner : Replanner, optional
+        Finds other paths where these admit no schedule; without one that is an error.
+    repairs : int
+        Greatest number of paths replanned.
+    version : int
+        Stamped on the schedules.
+
+    Returns
+    -------
+    FleetSchedule
+        In the order of `robots`.
+
+    Raises
+    ------
+    InvalidScenario
+        Two robots of one name, touching starts or goals, or a parameter out of range.
+    Infeasible
+        No schedule on these paths; the message names the robots and why.
+    TimedOut, SolverFailed
+    """
+    _check(robots, fixed, mode, formulation, time_margin, tracking_tolerance, time_limit)
+    job = _Job(fixed, time_margin, tracking_tolerance, time.monotonic() + time_limit, solver, replanner, repairs,
+               version)
+    if formulation == "paper":
+        return job.run_as_printed(robots)
+    if mode == "sequential":
+        return job.run_one_by_one(robots)
+    return job.run(robots)
+
+
+class _Job:
+    """One call of `coordinate`."""
+
+    def __init__(self, fixed: Sequence[Schedule], margin: float, tolerance: float, deadline: float,
+                 solver: Optional[str], replanner: Optional[Replanner], repairs: int, version: int) -> None:
+        self.fixed = list(fixed)
+        self.margin = margin
+        self.deadline = deadline
+        self.solver = solver
+        self.replanner = replanner
+        self.repairs = repairs
+        self.version = version
+        self.finder = EncounterFinder(tolerance)
+        self._timings: Dict[str, Tuple[Robot, Timing]] = {}
+
+    def run(self, robots: Sequence[Robot]) -> FleetSchedule:
+        """All robots at once, repaired where needed."""
+        planned = sorted(robots, key=lambda robot: robot.name)
+        spent = {"encounters": 0.0, "solve": 0.0, "repair": 0.0}
+        mender = None if self.replanner is None else Repairs(self.finder, self.replanner, self._feasible, self.repairs)
+        while True:
+            fleet = planned + [schedule.robot for schedule in self.fixed]
+            encounters = _timed(spent, "encounters", lambda: self.finder.find(fleet, fixed=len(self.fixed)))
+            try:
+                solution = _timed(spent, "solve", lambda: self._solve(planned, encounters))
+                break
+            except Infeasible as error:
+                if mender is None:
+                    raise
+                planned = self._mend(mender, planned, fleet, error, spent)
+        schedules = self._schedules(fleet, encounters, solution)
+        windows = [_window(fleet, encounter, order) for encounter, order in zip(encounters, solution.orders)]
+        return FleetSchedule(
+            tuple(schedules[robot.name] for robot in robots), tuple(windows), "exact",
+            objective=solution.objective, gap=_gap(solution.objective, solution.bound),
+            planning_time=spent["repair"], encounter_time=spent["encounters"], solve_time=spent["solve"],
+            message="" if mender is None else "; ".join(mender.notes))
+
+    def run_one_by_one(self, robots: Sequence[Robot]) -> FleetSchedule:
+        """Each robot round those before it."""
+        parts: List[FleetSchedule] = []
+        for robot in robots:
+            parts.append(self.run([robot]))
+            self.fixed.append(parts[-1].schedules[0])
+        latest = {schedule.name: schedule for schedule in self.fixed}
+        return FleetSchedule(
+            tuple(latest[robot.name] for robot in robots), tuple(window for part in parts for window in part.windows),
+            "exact", objective=sum(part.objective for part in parts),
+            gap=max((part.gap for part in parts), default=0.0),
+            planning_time=sum(part.planning_time for part in parts),
+            encounter_time=sum(part.encounter_time for part in parts),
+            solve_time=sum(part.solve_time for part in parts),
+            message="; ".join(part.message for part in parts if part.message))
+
+    def run_as_printed(self, robots: Sequence[Robot]) -> FleetSchedule:
+        """Eq. 5-8 of the paper, all windows at once."""
+        planned = sorted(robots, key=lambda robot: robot.name)
+        fleet = planned + [schedule.robot for schedule in self.fixed]
+        spent = {"encounters": 0.0, "solve": 0.0}
+        encounters = _timed(spent, "encounters", lambda: self.finder.find(fleet, fixed=len(self.fixed)))
+        result = _timed(spent, "solve", lambda: solve_as_printed(
+            fleet, self.fixed, encounters, margin=self.margin, solver=self.solver, deadline=self.deadline))
+        schedules = {robot.name: Schedule(robot, arcs, times, version=self.version)
+                     for robot, (arcs, times) in zip(planned, result.knots)}
+        windows = [_window(fleet, encounter, encounter.orders[side])
+                   for encounter, side in zip(encounters, result.sides)]
+        return FleetSchedule(tuple(schedules[robot.name] for robot in robots), tuple(windows), "paper",
+                             objective=result.objective,
+                             gap=_gap(result.objective, result.bound),
+                             encounter_time=spent["encounters"], solve_time=spent["solve"])
+
+    def _solve(self, planned: Sequence[Robot], encounters: Sequence[Encounter], *, alone: bool = False) -> Solution:
+        fixed = [] if alone else self.fixed
+        fleet = list(planned) + [schedule.robot for schedule in fixed]
+        contradictory = [encounter for encounter in encounters if contradiction(encounter, fleet)]
+        if contradictory:
+            raise _infeasible(contradictory[:1], fleet)
+        motions = [Motion(self._timing(robot), robot.depart) for robot in planned]
+        motions += [Motion(Timing(schedule.arc_lengths, schedule.times), 0.0, fixed=True) for schedule in fixed]
+        try:
+            return ExactProgram(motions, encounters, margin=self.margin, solver=self.solver).solve(
+                deadline=self.deadline)
+        except Contradiction as error:
+            raise _infeasible([encounters[window] for window in error.windows], fleet) from error
+
+    def _mend(self, mender: Repairs, planned: Sequence[Robot], fleet: Sequence[Robot], error: Infeasible,
+              spent: Dict[str, float]) -> List[Robot]:
+        return _timed(spent, "repair", lambda: mender.mend(planned, fleet, error))
+
+    def _feasible(self, robots: Sequence[Robot]) -> bool:
+        """Whether a few robots have a schedule among themselves; fixed ones count as still to be planned."""
+        few = sorted(robots, key=lambda robot: robot.name)
+        try:
+            self._solve(few, EncounterFinder(self.finder.tolerance).find(few), alone=True)
+        except Infeasible:
+            return False
+        return True
+
+    def _timing(self, robot: Robot) -> Timing:
+        known, timing = self._timings.get(robot.name, (None, None))
+        if known is not robot or timing is None:
+            timing = nominal_timing(robot.path, robot.limits, start_yaw=robot.start_yaw, goal_yaw=robot.goal_yaw)
+            self._timings[robot.name] = robot, timing
+        return timing
+
+    def _schedules(self, fleet: Sequence[Robot], encounters: Sequence[Encounter],
+                   solution: Solution) -> Dict[str, Schedule]:
+        versions = [self.version] * (len(fleet) - len(self.fixed)) + [schedule.version for schedule in self.fixed]
+        precedences: Dict[int, List[Precedence]] = {}
+        for order in solution.orders:
+            precedences.setdefault(order.follower, []).extend(
+                Precedence(float(at), fleet[order.leader].name, float(clear), versions[order.leader])
+                for at, clear in zip(order.at, order.clear))
+        schedules = {}
+        for index in range(len(fleet) - len(self.fixed)):
+            robot = fleet[index]
+            arcs, times = solution.paces[index].knots(self._timing(robot))
+            schedules[robot.name] = Schedule(robot, arcs, times, _sorted(precedences.get(index, [])), self.version)
+        for place, schedule in enumerate(self.fixed):
+            waits = precedences.get(len(fleet) - len(self.fixed) + place, [])
+            self.fixed[place] = replace(schedule, precedences=_sorted([*schedule.precedences, *waits]))
+        return schedules
+
+
+def _sorted(rules: Sequence[Precedence]) -> Tuple[Precedence, ...]:
+    return tuple(sorted(rules, key=lambda rule: (rule.at, rule.other, rule.other_at)))
+
+
+def _timed(spent: Dict[str, float], what: str, work: Callable):  # type: ignore[no-untyped-def]
+    begun = time.perf_counter()
+    try:
+        return work()
+    finally:
+        spent[what] += time.perf_counter() - begun
+
+
+def _gap(objective: float, bound: float) -> float:
+    return max(objective - bound, 0.0) / objective if objective > 0.0 else 0.0
+
+
+def _window(fleet: Sequence[Robot], encounter: Encounter, order: Order) -> EncounterWindow:
+    return EncounterWindow(fleet[encounter.r].name, fleet[encounter.s].name, encounter.kind,
+                           encounter.r_extent[0], encounter.r_extent[1], encounter.s_extent[0], encounter.s_extent[1],
+                           first=fleet[order.leader].name)
+
+
+def _infeasible(encounters: Sequence[Encounter], fleet: Sequence[Robot]) -> Infeasible:
+    """The contradiction of some windows as a sentence."""
+    clauses = []
+    for encounter in encounters:
+        r, s = fleet[encounter.r], fleet[encounter.s]
+        x, y = r.path.position(sum(encounter.r_extent) / 2.0)
+        reasons = " and ".join(forced_reasons(encounter, fleet)) or f"{r.name} and {s.name} cannot pass each other"
+        clauses.append(f"{reasons} near ({x:.1f}, {y:.1f})")
+    names = sorted({fleet[index].name for encounter in encounters for index in (encounter.r, encounter.s)})
+    return Infeasible(
+        "no schedule on these paths: " + "; ".join(clauses) + ". Give one of them another path, start or goal",
+        robots=names, pairs=[(fleet[encounter.r].name, fleet[encounter.s].name) for encounter in encounters])
+
+
+def _check(robots: Sequence[Robot], fixed: Sequence[Schedule], mode: str, formulation: str, margin: float,
+           tolerance: float, time_limit: float) -> None:
+    """Refuse what no schedule could come of."""
+    for value, choices, field in ((mode, MODES, "mode"), (formulation, FORMULATIONS, "formulation")):
+        if value not in choices:
+            raise InvalidScenario(f"must be one of {', '.join(choices)}, not {value!r}", field=field)
+    for number, field, positive in ((margin, "time_margin", False), (tolerance, "tracking_tolerance", False),
+                                    (time_limit, "time_limit", True)):
+        if not math.isfinite(number) or number < 0.0 or (positive and number == 0.0):
+            raise InvalidScenario(f"must be {'positive' if positive else 'zero or more'}, not {number!r}", field=field)
+    if not robots:
+        raise InvalidScenario("there is no robot to coordinate", field="robots")
+    everyone = list(robots) + [schedule.robot for schedule in fixed]
+    names = [robot.name for robot in everyone]
+    for name in names:
+        if names.count(name) > 1:
+            raise InvalidScenario(f"two robots are named {name}; names must differ", field="robots")
+    for schedule in fixed:
+        ends = schedule.arc_lengths[[0, -1]] - (0.0, schedule.robot.path.length)
+        if np.abs(ends).max() > _END_TOLERANCE:
+            raise InvalidScenario(f"the schedule of {schedule.name} must run from the start of its path to the end; "
+                                  "cut the path where the schedule is cut", field="fixed")
+    _check_apart(robots, 0, "start", tolerance, planned=len(robots))
+    _check_apart(everyone, -1, "goal", tolerance, planned=len(robots))
+
+
+def _check_apart(robots: Sequence[Robot], end: int, what: str, tolerance: float, planned: int) -> None:
+    points = np.array([robot.path.points[end] for robot in robots])
+    radii = np.array([robot.body_radius for robot in robots])
+    rows, columns = np.triu_indices(len(robots), 1)
+    rows, columns = rows[rows < planned], columns[rows < planned]
+    apart = np.hypot(*(points[rows] - points[columns]).T)
+    needed = radii[rows] + radii[columns] + 2.0 * tolerance
+    for pair in np.flatnonzero(apart < needed)[:1]:
+        r, s = robots[rows[pair]].name, robots[columns[pair]].name
+        raise InvalidScenario(f"{r} and {s} have {what}s {apart[pair]:.2f} m apart; their discs need "
+                              f"{needed[pair]:.2f} m", field="robots")

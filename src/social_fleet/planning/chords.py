@@ -1,0 +1,275 @@
+"""Kernels of string pulling: what a straight chord costs on the lattice, and whether the robot fits along it.
+
+Coordinates are in cells along the grid's column and row axes; costs are in metres.
+"""
+
+import math
+from typing import NamedTuple, Tuple
+
+import numpy as np
+from numba import njit
+
+from social_fleet.mapping.distances import segment_clearance
+from social_fleet.planning.lattice import neighbour
+
+
+class Ground(NamedTuple):
+    """Where a robot fits: `radius` in cells, `clearance` in metres, `discs` (D, 3) as x, y, radius in cells."""
+
+    blocked: np.ndarray
+    clearance: np.ndarray
+    resolution: float
+    radius: float
+    discs: np.ndarray
+
+
+class Prices(NamedTuple):
+    """What an edge costs: the lattice, the social part, and where that is waived (in cells)."""
+
+    row: np.ndarray
+    col: np.ndarray
+    up: np.ndarray
+    down: np.ndarray
+    edges: np.ndarray
+    lengths: np.ndarray
+    social: np.ndarray
+    exempt: np.ndarray  # (E, 2) row and column about which the social part is waived
+    exempt_squared: float
+
+
+@njit(cache=True)
+def is_free(ground: Ground, x0: float, y0: float, x1: float, y1: float) -> bool:
+    """Whether the robot's disc fits all along the segment."""
+    length = math.hypot(x1 - x0, y1 - y0)
+    for d in range(len(ground.discs)):
+        if _distance(ground.discs[d, 0], ground.discs[d, 1], x0, y0, x1, y1) < ground.discs[d, 2]:
+            return False
+    if length < 1e-12:
+        return segment_clearance(ground.blocked, (x0, y0), (x1, y1), ground.radius, ground.radius) >= ground.radius
+    dx, dy = (x1 - x0) / length, (y1 - y0) / length
+    rows, cols = ground.blocked.shape
+    along = 0.0
+    while along < length:
+        x, y = x0 + along * dx, y0 + along * dy
+        r, c = int(math.floor(y)), int(math.floor(x))
+        if r < 0 or c < 0 or r >= rows or c >= cols:
+            return False
+        room = (ground.clearance[r, c] / ground.resolution - ground.radius
+                - math.hypot(x - c - 0.5, y - r - 0.5) - 1e-6)
+        if room > 0.5:
+            along += room
+            continue
+        ahead = min(along + 4.0, length)
+        there = (x0 + ahead * dx, y0 + ahead * dy)
+        if segment_clearance(ground.blocked, (x, y), there, ground.radius, ground.radius) < ground.radius:
+            return False
+        along = ahead
+    return True
+
+
+@njit(cache=True)
+def _distance(px: float, py: float, x0: float, y0: float, x1: float, y1: float) -> float:
+    """Distance of a point from a segment."""
+    dx, dy = x1 - x0, y1 - y0
+    square = dx * dx + dy * dy
+    share = 0.0
+    if square > 0.0:
+        share = min(max(((px - x0) * dx + (py - y0) * dy) / square, 0.0), 1.0)
+    return math.hypot(px - x0 - share * dx, py - y0 - share * dy)
+
+
+@njit(cache=True)
+def edge_cost(prices: Prices, node: int, heading: int, other: int) -> float:
+    """Social cost of an edge of the lattice, waived near the exempt cells."""
+    for e in range(len(prices.exempt)):
+        for n in (node, other):
+            drow, dcol = prices.row[n] - prices.exempt[e, 0], prices.col[n] - prices.exempt[e, 1]
+            if drow * drow + dcol * dcol <= prices.exempt_squared:
+                return 0.0
+    return prices.social[node, heading]
+
+
+@njit(cache=True)
+def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[float, float]:
+    """Length and social cost of the digital line between two nodes; infinite where it breaks or passes `budget`."""
+    drow, dcol = prices.row[goal] - prices.row[node], prices.col[goal] - prices.col[node]
+    steps, minor = max(abs(drow), abs(dcol)), min(abs(drow), abs(dcol))
+    straight, diagonal = _line_headings(drow, dcol)
+    length, social = 0.0, 0.0
+    error = steps // 2
+    for _ in range(steps):
+        error -= minor
+        heading = straight
+        if error < 0:
+            heading = diagonal
+            error += steps
+        if not prices.edges[node] >> heading & 1:
+            return np.inf, np.inf
+        other = neighbour(node, heading, prices.up, prices.down)
+        length += prices.lengths[heading]
+        social += edge_cost(prices, node, heading, other)
+        if length + social > budget:
+            return np.inf, np.inf
+        node = other
+    return length, social
+
+
+@njit(cache=True)
+def _line_headings(drow: int, dcol: int) -> Tuple[int, int]:
+    """The straight and the diagonal heading of which a digital line is made."""
+    diagonal = (1 if dcol > 0 else 3) if drow > 0 else (7 if dcol > 0 else 5)
+    if abs(dcol) >= abs(drow):
+        return (0 if dcol > 0 else 4), diagonal
+    return (2 if drow > 0 else 6), diagonal
+
+
+@njit(cache=True)
+def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, i: int, j: int,
+          bound: float) -> float:
+    """Cost of the straight chord between two points of a path, infinite where it may not replace what lies between.
+
+    `paid` is the cost of the path up to each point. A negative `bound` asks for length alone.
+    """
+    x0, y0, x1, y1 = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
+    length = math.hypot(x1 - x0, y1 - y0) * ground.resolution
+    cost = length
+    if bound >= 0.0:
+        # A cell's width of slack lets a short staircase become a line.
+        budget = (paid[j] - paid[i]) * (1.0 + bound) + ground.resolution
+        steps, social = chain_cost(prices, nodes[i], nodes[j], budget)
+        if not steps < np.inf:
+            return np.inf
+        cost += social * (length / steps if steps > 0.0 else 1.0)
+    if not is_free(ground, x0, y0, x1, y1):
+        return np.inf
+    return cost
+
+
+@njit(cache=True)
+def turn_at(points: np.ndarray, i: int, j: int, k: int) -> float:
+    """Heading change [rad] between the chords i-j and j-k of `points`, without sign; 0 where there is no chord i-j."""
+    if i < 0:
+        return 0.0
+    ux, uy = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+    vx, vy = points[k, 0] - points[j, 0], points[k, 1] - points[j, 1]
+    return abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@njit(cache=True)
+def pull(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray, paid: np.ndarray,
+         candidates: np.ndarray, bound: float, vertex_cost: float, turn_cost: float, reach: float,
+         patience: int) -> np.ndarray:
+    """A cheap and calm chain of chords over `candidates` (indices into `points`, first and last included).
+
+    Every chord costs `vertex_cost` [m] and `turn_cost` [m/rad] of its turn beside its own cost. It spans at most
+    `reach` [m], and the search from one candidate gives up after `patience` failures in a row. Where no chord fits,
+    the path's own points stay.
+    """
+    count = len(candidates)
+    best = np.full(count, np.inf)
+    origin = np.full(count, -1, dtype=np.int64)
+    best[0] = 0.0
+    before = np.full(count, -1, dtype=np.int64)  # the point before each candidate on the best chain to it
+    for a in range(count - 1):
+        i = candidates[a]
+        step = candidates[a + 1] - i
+        own = best[a] + paid[candidates[a + 1]] - paid[i] + (vertex_cost + turn_cost) * step
+        if own < best[a + 1]:
+            best[a + 1], origin[a + 1], before[a + 1] = own, -1, candidates[a + 1] - 1
+        failures = 0
+        for b in range(a + 1, count):
+            j = candidates[b]
+            span = math.hypot(points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]) * ground.resolution
+            if b > a + 1 and span > reach:
+                break
+            base = best[a] + vertex_cost + turn_cost * turn_at(points, before[a], i, j)
+            # Even a straight line cannot improve on what is known.
+            if base + span >= best[b]:
+                continue
+            cost = base + chord(ground, prices, points, nodes, paid, i, j, bound)
+            if not cost < np.inf:
+                failures += 1
+                if failures >= patience:
+                    break
+                continue
+            failures = 0
+            if cost < best[b]:
+                best[b], origin[b], before[b] = cost, a, i
+    return _unwind(candidates, origin)
+
+
+@njit(cache=True)
+def _unwind(candidates: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """The chosen indices in order; -1 as origin stands for the path's own points since the candidate before."""
+    chosen = np.empty(candidates[-1] + 1, dtype=np.int64)
+    top = 0
+    b = len(candidates) - 1
+    while b > 0:
+        chosen[top] = candidates[b]
+        top += 1
+        if origin[b] >= 0:
+            b = origin[b]
+            continue
+        for index in range(candidates[b] - 1, candidates[b - 1], -1):
+            chosen[top] = index
+            top += 1
+        b -= 1
+    chosen[top] = candidates[0]
+    return chosen[:top + 1][::-1].copy()
+
+
+@njit(cache=True)
+def drop_needless(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray, paid: np.ndarray,
+                  chosen: np.ndarray, bound: float, vertex_cost: float, turn_cost: float) -> np.ndarray:
+    """`chosen` without the vertices that are dearer than a longer chord without them."""
+    kept = chosen.copy()
+    count = len(kept)
+    unbounded = np.inf if bound >= 0.0 else bound
+    changed = True
+    while changed:
+        changed = False
+        v = 1
+        while v < count - 1:
+            i, j, k = kept[v - 1], kept[v], kept[v + 1]
+            with_it = (chord(ground, prices, points, nodes, paid, i, j, unbounded)
+                       + chord(ground, prices, points, nodes, paid, j, k, unbounded)
+                       + vertex_cost + turn_cost * turn_at(points, i, j, k))
+            without = chord(ground, prices, points, nodes, paid, i, k, bound)
+            if without < np.inf and without <= with_it:
+                kept[v:count - 1] = kept[v + 1:count].copy()
+                count -= 1
+                changed = True
+            else:
+                v += 1
+    return kept[:count].copy()
+
+
+@njit(cache=True)
+def candidates_of(points: np.ndarray, tolerance: float, spacing: float) -> np.ndarray:
+    """Indices where a path (in cells) turns by more than `tolerance`, and others at most `spacing` apart."""
+    count = len(points)
+    keep = np.zeros(count, dtype=np.bool_)
+    keep[0] = keep[count - 1] = True
+    stack = np.empty((count + 1, 2), dtype=np.int64)
+    stack[0, 0], stack[0, 1] = 0, count - 1
+    top = 1
+    while top > 0:
+        top -= 1
+        i, j = stack[top, 0], stack[top, 1]
+        farthest, where = -1.0, -1
+        for m in range(i + 1, j):
+            gap = _distance(points[m, 0], points[m, 1], points[i, 0], points[i, 1], points[j, 0], points[j, 1])
+            if gap > farthest:
+                farthest, where = gap, m
+        if where < 0:
+            continue
+        span = math.hypot(points[j, 0] - points[i, 0], points[j, 1] - points[i, 1])
+        if farthest <= tolerance:
+            if span <= spacing:
+                continue
+            where = (i + j) // 2
+        keep[where] = True
+        stack[top, 0], stack[top, 1] = i, where
+        stack[top + 1, 0], stack[top + 1, 1] = where, j
+        top += 2
+    return np.flatnonzero(keep)

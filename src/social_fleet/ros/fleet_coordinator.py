@@ -1,0 +1,145 @@
+"""The node fleet_coordinator: schedules that keep the fleet apart, and their distribution."""
+
+import threading
+from dataclasses import dataclass, replace
+from typing import List, Optional, Tuple
+
+import genpy
+import rospy
+from nav_msgs.msg import OccupancyGrid as GridMessage
+from rospy.numpy_msg import numpy_msg
+
+from social_fleet.coordination.coordinator import coordinate
+from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.schedule import FleetSchedule, Schedule
+from social_fleet.msg import EncounterWindow, Progress, Schedule as ScheduleMessage
+from social_fleet.parameters import parameter
+from social_fleet.ros import conversions, parameters
+from social_fleet.ros.paths import resolve_path
+from social_fleet.ros.planning_fleet import PlanningFleet, read_config
+from social_fleet.ros.repeating_publisher import RepeatingPublisher
+from social_fleet.ros.statuses import COORDINATE_STATUSES, status_of
+from social_fleet.scenario.files import load_scenario
+from social_fleet.srv import Coordinate, CoordinateRequest, CoordinateResponse
+
+
+@dataclass(frozen=True)
+class FleetCoordinatorParameters:
+    """Parameters of the node; all others in its namespace are those of `PlannerConfig`, for repairs."""
+
+    map_frame: str = "map"
+    formulation: str = parameter("exact", choices=("exact", "paper"))
+    time_margin: float = parameter(1.0, minimum=0.0)  # delta, for requests that leave theirs at 0 [s]
+    time_limit: float = parameter(30.0, above=0.0)  # for requests that leave theirs at 0 [s, wall time]
+    tracking_tolerance: float = parameter(0.1, minimum=0.0)  # how far a robot may be from its schedule [m]
+    start_delay: float = parameter(2.0, minimum=0.0)  # from the answer to time zero, for schedules to arrive [s]
+    repair: bool = True  # replan a robot where the given paths admit no schedule; needs the map
+    scenario: str = ""  # a scenario file whose `coordination` and `planner` go before the parameters
+
+
+class FleetCoordinator:
+    """Coordinates on request, and keeps every tracker supplied with its schedule.
+
+    Subscribers
+        fleet/progress (Progress): a robot on an older schedule than its present one is sent that again.
+        map (nav_msgs/OccupancyGrid): for repairs.
+    Publishers
+        fleet/schedules (Schedule), fleet/windows (EncounterWindow): sent again to late subscribers.
+    Services
+        ~coordinate (Coordinate).
+    Parameters
+        `FleetCoordinatorParameters`; those of `PlannerConfig`, see config/planner.yaml.
+    """
+
+    def __init__(self) -> None:
+        self._config, others = parameters.split_private(FleetCoordinatorParameters)
+        if self._config.scenario:
+            options = load_scenario(resolve_path(self._config.scenario)).coordination
+            self._config = replace(self._config, formulation=options.formulation, time_limit=options.time_limit,
+                                   time_margin=options.time_margin, tracking_tolerance=options.tracking_tolerance)
+        self._planner_config, _ = read_config(others, self._config.scenario, parameters.private_prefix())
+        self._version = 0
+        self._lock = threading.Lock()  # of the map and what is made of it
+        self._map: Optional[GridMessage] = None
+        self._planners: Optional[PlanningFleet] = None
+        self._coordinating = threading.Lock()
+        self._schedules = RepeatingPublisher("fleet/schedules", ScheduleMessage)
+        self._windows = RepeatingPublisher("fleet/windows", EncounterWindow)
+        rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
+        if self._config.repair:
+            rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
+        self._service = rospy.Service("~coordinate", Coordinate, self._serve)
+
+    def _hear_map(self, message: GridMessage) -> None:
+        """Keep the map; planners are built from it when a repair first needs one."""
+        with self._lock:
+            self._map, self._planners = message, None
+
+    def _hear_progress(self, message: Progress) -> None:
+        """Schedules are sent as they come into force; what got lost shows here."""
+        schedule = self._schedules.last(message.robot)
+        if schedule is not None and message.schedule_version < schedule.version \
+                and (message.header.stamp - schedule.header.stamp).to_sec() > 0.0:
+            rospy.logwarn_throttle(1.0, "robot %s has not taken up schedule %d; sending it again" % (
+                message.robot, schedule.version))
+            self._schedules.repeat(message.robot)
+
+    def _serve(self, request: CoordinateRequest) -> CoordinateResponse:
+        with self._coordinating:
+            try:
+                fleet, time_zero = self._coordinate(request)
+            except Exception as error:
+                rospy.logwarn("no schedule: %s", error)
+                return CoordinateResponse(status=status_of(error, COORDINATE_STATUSES),
+                                          message=str(error) or type(error).__name__)
+            schedules, windows = self._put_in_force(fleet, time_zero)
+        rospy.loginfo("scheduled %d robots, %d windows: encounters %.3f s, program %.3f s%s", len(schedules),
+                      len(windows), fleet.encounter_time, fleet.solve_time,
+                      f", repairs {fleet.planning_time:.3f} s ({fleet.message})" if fleet.message else "")
+        return CoordinateResponse(status=CoordinateResponse.SUCCESS, message=fleet.message, schedules=schedules,
+                                  windows=windows, solve_time=fleet.encounter_time + fleet.solve_time,
+                                  objective=fleet.objective, gap=fleet.gap)
+
+    def _coordinate(self, request: CoordinateRequest) -> Tuple[FleetSchedule, Optional[genpy.Time]]:
+        """Schedules and their time zero; that is decided only now when nothing is fixed."""
+        frame, config = self._config.map_frame, self._config
+        robots = [conversions.robot_from_planned_path(item, frame) for item in request.planning]
+        time_zero, fixed = self._read_fixed(request.fixed)
+        if time_zero is not None:
+            earliest = (rospy.Time.now() - time_zero).to_sec() + config.start_delay
+            robots = [replace(robot, depart=max(robot.depart, earliest)) for robot in robots]
+        replanner = PlannerReplanner(self._planner_for) if config.repair and self._map is not None else None
+        fleet = coordinate(robots, fixed=fixed, mode="unified" if fixed else "simultaneous",
+                           formulation=config.formulation, time_margin=request.time_margin or config.time_margin,
+                           tracking_tolerance=config.tracking_tolerance,
+                           time_limit=request.time_limit or config.time_limit, replanner=replanner,
+                           version=self._version + 1)
+        return fleet, time_zero
+
+    def _read_fixed(self, messages: List[ScheduleMessage]) -> Tuple[Optional[genpy.Time], List[Schedule]]:
+        """The fixed schedules on one clock, and that clock's zero: the earliest of theirs."""
+        if not messages:
+            return None, []
+        time_zero = min(message.header.stamp for message in messages)
+        return time_zero, [
+            conversions.schedule_from_message(message, self._config.map_frame).shifted(
+                (message.header.stamp - time_zero).to_sec()) for message in messages]
+
+    def _planner_for(self, radius: float):  # type: ignore[no-untyped-def]
+        with self._lock:
+            if self._planners is None:
+                self._planners = PlanningFleet(conversions.grid_from_message(self._map), self._planner_config)
+            return self._planners.planner(radius)
+
+    def _put_in_force(self, fleet: FleetSchedule,
+                      time_zero: Optional[genpy.Time]) -> Tuple[List[ScheduleMessage], List[EncounterWindow]]:
+        """Publish, remember and return the messages."""
+        zero = time_zero or rospy.Time.now() + rospy.Duration(self._config.start_delay)
+        self._version += 1
+        schedules = [conversions.schedule_to_message(schedule, self._config.map_frame, zero)
+                     for schedule in fleet.schedules]
+        windows = [conversions.window_to_message(window, self._version) for window in fleet.windows]
+        self._schedules.publish({message.robot: message for message in schedules}, replace=time_zero is None)
+        self._windows.publish({(self._version, index): message for index, message in enumerate(windows)},
+                              replace=time_zero is None)
+        return schedules, windows

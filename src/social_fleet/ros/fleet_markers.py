@@ -1,0 +1,159 @@
+"""The node fleet_markers: the fleet in RViz."""
+
+import threading
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Tuple
+
+import numpy as np
+import rospy
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from social_fleet.coordination.schedule import EncounterWindow, Schedule
+from social_fleet.errors import InvalidInput
+from social_fleet.msg import EncounterWindow as WindowMessage, PlannedPath, Progress, Schedule as ScheduleMessage
+from social_fleet.parameters import parameter
+from social_fleet.ros import conversions, markers, parameters
+from social_fleet.scenario.pictures.style import robot_colours
+
+
+@dataclass(frozen=True)
+class FleetMarkersParameters:
+    """Parameters of the node."""
+
+    map_frame: str = "map"
+    rate: float = parameter(10.0, above=0.0)  # of the robots' markers [Hz]
+
+
+class FleetMarkers:
+    """Robots where they report to be, their plans, where they meet, and who waits for whom.
+
+    Subscribers
+        fleet/paths (PlannedPath), fleet/schedules (Schedule), fleet/windows (EncounterWindow),
+        fleet/progress (Progress).
+    Publishers
+        visualization_marker_array (visualization_msgs/MarkerArray).
+    Parameters
+        `FleetMarkersParameters`.
+    """
+
+    def __init__(self) -> None:
+        self._config = parameters.read_private(FleetMarkersParameters)
+        self._lock = threading.Lock()
+        self._numbers: Dict[str, int] = {}  # of the robots: colours and marker ids
+        self._plans: Dict[str, np.ndarray] = {}
+        self._schedules: Dict[str, Schedule] = {}
+        self._windows: Dict[Tuple[int, str, str, float, float], EncounterWindow] = {}
+        self._progress: Dict[str, Progress] = {}
+        self._changed = True  # plans or windows differ from what was last shown
+        self._shown_windows = 0
+        self._out = rospy.Publisher("visualization_marker_array", MarkerArray, queue_size=2)
+        rospy.Subscriber("fleet/paths", PlannedPath, self._hear_path, queue_size=100)
+        rospy.Subscriber("fleet/schedules", ScheduleMessage, self._hear_schedule, queue_size=100)
+        rospy.Subscriber("fleet/windows", WindowMessage, self._hear_window, queue_size=1000)
+        rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
+        rospy.Timer(rospy.Duration(1.0 / self._config.rate), self._show)
+        rospy.Timer(rospy.Duration(2.0), self._show_all)
+
+    def _hear_path(self, message: PlannedPath) -> None:
+        try:
+            points, _ = conversions.path_from_message(message.path, self._config.map_frame)
+        except InvalidInput as error:
+            rospy.logwarn_throttle(10.0, "a plan is not shown: %s" % error)
+            return
+        with self._lock:
+            self._plans[message.robot] = points
+            self._changed = True
+
+    def _hear_schedule(self, message: ScheduleMessage) -> None:
+        try:
+            schedule = conversions.schedule_from_message(message, self._config.map_frame)
+        except InvalidInput as error:
+            rospy.logwarn_throttle(10.0, "a schedule is not shown: %s" % error)
+            return
+        with self._lock:
+            self._schedules[message.robot] = schedule
+            self._plans[message.robot] = schedule.robot.path.points
+            self._changed = True
+
+    def _hear_window(self, message: WindowMessage) -> None:
+        """Windows of older coordinations leave when a robot of theirs has a newer schedule."""
+        with self._lock:
+            window = conversions.window_from_message(message)
+            key = (message.version, window.robot_r, window.robot_s, window.r_enter, window.s_enter)
+            self._windows[key] = window
+            self._changed = True
+
+    def _hear_progress(self, message: Progress) -> None:
+        with self._lock:
+            self._progress[message.robot] = message
+
+    def _number(self, robot: str) -> int:
+        return self._numbers.setdefault(robot, len(self._numbers))
+
+    def _colour(self, robot: str, alpha: float = 1.0) -> ColorRGBA:
+        """The colour that pictures give the robot, too."""
+        self._number(robot)
+        return markers.colour_of(robot_colours(list(self._numbers))[robot], alpha)
+
+    def _show_all(self, _event: rospy.timer.TimerEvent) -> None:
+        """Also for an RViz that came late."""
+        with self._lock:
+            self._changed = True
+
+    def _show(self, _event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            shown = [item for name in sorted(self._progress) for item in self._robot(name)]
+            if self._changed:
+                shown += self._lines()
+                self._changed = False
+        if shown and not rospy.is_shutdown():
+            self._out.publish(MarkerArray(shown))
+
+    def _robot(self, name: str) -> List[Marker]:
+        """Disc, name, and whom it waits for."""
+        progress, schedule, stamp = self._progress[name], self._schedules.get(name), rospy.Time.now()
+        number, frame = self._number(name), self._config.map_frame
+        if progress.header.frame_id == "" or (schedule is None and progress.reference.x == progress.reference.y == 0.0):
+            return []
+        position = (progress.reference.x, progress.reference.y)
+        radius = 0.25 if schedule is None else schedule.robot.body_radius
+        label = name
+        if progress.state == Progress.HOLDING and schedule is not None:
+            other = self._holder(schedule, progress)
+            label = f"{name} waits for {other}" if other else name
+        elif progress.state == Progress.STOPPED:
+            label = f"{name} is stopped"
+        return [markers.disc_marker(number, position, radius, self._colour(name), frame, stamp),
+                markers.text_marker("names", number, position, label, frame, stamp)]
+
+    def _holder(self, schedule: Schedule, progress: Progress) -> Optional[str]:
+        """The robot whose progress a standing one waits for."""
+        for precedence in schedule.precedences:
+            other = self._progress.get(precedence.other)
+            if precedence.at > progress.arc_length - 0.5 and (
+                    other is None or other.schedule_version != precedence.other_version
+                    or other.arc_length < precedence.other_at):
+                return precedence.other
+        return None
+
+    def _lines(self) -> List[Marker]:
+        """Plans, and the stretches where robots meet."""
+        stamp, frame = rospy.Time.now(), self._config.map_frame
+        shown = [markers.line_marker("plans", self._number(name), points, self._colour(name, 0.6), 0.08, frame, stamp)
+                 for name, points in self._plans.items() if len(points) > 1]
+        self._windows = {key: window for key, window in self._windows.items() if self._current(key[0], window)}
+        stretches = [stretch for window in self._windows.values() for stretch in (
+            (window.kind, window.robot_r, window.r_enter, window.r_exit),
+            (window.kind, window.robot_s, window.s_enter, window.s_exit)) if stretch[1] in self._schedules]
+        shown += [markers.window_marker(number, kind, self._schedules[name].robot.path, enter, leave, frame, stamp)
+                  for number, (kind, name, enter, leave) in enumerate(stretches)]
+        gone = range(len(stretches), self._shown_windows)
+        shown += [Marker(ns="windows", id=number, action=Marker.DELETE) for number in gone]
+        self._shown_windows = len(stretches)
+        return shown
+
+    def _current(self, version: int, window: EncounterWindow) -> bool:
+        """Whether neither robot has a schedule newer than the window."""
+        return all(self._schedules[name].version <= version for name in (window.robot_r, window.robot_s)
+                   if name in self._schedules)

@@ -1,0 +1,45 @@
+"""Everything about a schedule on one sheet: the map, and the space-time diagram beside or below it."""
+
+from social_fleet.coordination.schedule import FleetSchedule
+from social_fleet.files import PathLike
+from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.scenario.pictures.fleet_layer import map_inches, path_points
+from social_fleet.scenario.pictures.map_layer import content_box
+from social_fleet.scenario.pictures.map_picture import draw_fleet
+from social_fleet.scenario.pictures.space_time import draw_sheet, sheet_height
+from social_fleet.scenario.pictures.style import INK, add_axes, new_figure, save_figure
+
+LONG = 2.2  # maps wider than this, in heights, stand above the diagram
+HEADING = 0.6  # [inch]
+FOOTER = 1.1  # [inch] for scale bar and legend
+
+
+def schedule_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, *, title: str = "") -> None:
+    """Write a PNG of `fleet` on its map with its space-time diagram.
+
+    Raises
+    ------
+    InvalidInput
+        When the file cannot be created.
+    """
+    box = content_box(grid, path_points(fleet))
+    shape = (box[2] - box[0]) / (box[3] - box[1])
+    if shape > LONG:
+        map_width, map_height = map_inches(box, 9.5)
+        diagram, width = sheet_height(fleet, 4.5), 8.0
+        figure = new_figure(max(map_width, width + 2.6) + 1.0, diagram + map_height + FOOTER + HEADING)
+        map_bottom, left = diagram + FOOTER, 1.5
+    else:
+        height = max(sheet_height(fleet, 4.8), 9.0 / max(shape, 1.0) + FOOTER)
+        map_height = min(height - FOOTER, 11.0 / shape)
+        map_width, diagram, width, left = map_height * shape, height, 7.0, map_height * shape + 2.3
+        figure = new_figure(left + width + 1.5, height + HEADING)
+        map_bottom = height - map_height
+    axes = add_axes(figure, 0.7, map_bottom - 0.55, map_width, map_height)
+    draw_fleet(axes, grid, fleet, box)
+    axes.set_title("Paths, and where robots meet", fontsize=12, color=INK, loc="left", pad=8)
+    draw_sheet(figure, fleet, left, width, ceiling=diagram)
+    heading = f"{len(fleet.schedules)} robots, all there after {fleet.makespan:.0f} s"
+    figure.text(0.25 / figure.get_figwidth(), 1.0 - 0.2 / figure.get_figheight(), f"{title}: {heading}" if title else
+                heading, fontsize=14, color=INK, ha="left", va="top")
+    save_figure(figure, path, dpi=110)
