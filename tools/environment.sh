@@ -50,6 +50,7 @@ use_ros() {
   set -u
   MASTER_PORT=$(free_port)
   export ROS_MASTER_URI=http://localhost:$MASTER_PORT ROS_HOSTNAME=localhost
+  export PYTHONUNBUFFERED=1  # so that what nodes and roslaunch print keeps its order in a pipe
   export ROS_HOME=$WORKSPACE/ros ROS_LOG_DIR=$WORKSPACE/ros/log
   mkdir -p "$ROS_LOG_DIR"
   find "$ROS_LOG_DIR" -mindepth 1 -maxdepth 1 -mtime +7 -exec rm -rf {} +

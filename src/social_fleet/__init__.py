@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from social_fleet.planning.plan import Plan
     from social_fleet.planning.planner import SocialPlanner
     from social_fleet.planning.social_graph import SocialGraph
-    from social_fleet.scenario.files import Scenario, load_scenario, save_scenario
+    from social_fleet.scenario.files import load_scenario, save_scenario
+    from social_fleet.scenario.scenario import Scenario
 
 __version__ = "0.1.0"
 
@@ -42,7 +43,8 @@ _HOMES = {
     "planning.plan": ("Plan",),
     "planning.planner": ("SocialPlanner",),
     "planning.social_graph": ("SocialGraph",),
-    "scenario.files": ("Scenario", "load_scenario", "save_scenario"),
+    "scenario.files": ("load_scenario", "save_scenario"),
+    "scenario.scenario": ("Scenario",),
 }
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 

@@ -1,13 +1,14 @@
 """Plan one robot's path on a map, or many with --batch: social (keeps to one side), shortest, or RRT*."""
 
 import argparse
+import math
 import os
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from social_fleet.cli.arguments import add_pose, check_outputs
 from social_fleet.cli.output import show, written
 from social_fleet.cli.progress import progress
-from social_fleet.errors import InvalidGoal, InvalidInput, InvalidParameter, InvalidPose, NoPath
+from social_fleet.errors import InvalidGoal, InvalidInput, InvalidParameter, InvalidPose, InvalidStart, NoPath
 
 SUMMARY = "plan one robot's path, or many with --batch"
 EXAMPLE = "social_fleet plan --map maps/environment_1.yaml --start 2 25 --goal 97 40 --plot plan.png"
@@ -105,9 +106,11 @@ def _is_pose(value: Any) -> bool:
 
 def _check(planner: Any, args: argparse.Namespace, name: str, start: Sequence[float], goal: Sequence[float]) -> None:
     """Refuse a pose that the robot cannot take before any path is planned."""
-    for what, pose in (("start", start), ("goal", goal)):
+    for what, pose, kind in (("start", start, InvalidStart), ("goal", goal, InvalidGoal)):
         try:
             planner.space.check_pose(pose[0], pose[1], what)
+            if not math.isfinite(pose[-1]):
+                raise kind(f"the yaw {pose[-1]} is not finite; give it in radians")
         except InvalidPose as error:
             raise _placed(error, args, name) from error
 

@@ -30,5 +30,7 @@ def progress(total: float, label: str, unit: str) -> Iterator[Callable[[float], 
 
 def _make_bar(total: float, label: str, unit: str) -> Any:
     from tqdm import tqdm
-    return tqdm(total=total, desc=label, unit=unit, leave=False, file=sys.stderr, dynamic_ncols=True,
-                bar_format="{desc}: {percentage:3.0f}%|{bar}| {n:.0f}/{total:.0f} {unit} [{elapsed}<{remaining}]")
+    bar = tqdm(total=total, desc=label, unit=unit, leave=False, file=sys.stderr, dynamic_ncols=True,
+               bar_format="{desc}: {percentage:3.0f}%|{bar}| {n:.0f}/{total:.0f} {unit} [{elapsed}<{remaining}]")
+    bar.start_t -= PATIENCE  # it counts from the beginning of the work, not from its own
+    return bar

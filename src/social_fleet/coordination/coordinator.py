@@ -105,7 +105,7 @@ class _Job:
                 solution = _timed(spent, "solve", lambda: self._solve(planned, encounters))
                 break
             except Infeasible as error:
-                if mender is None:
+                if mender is None or time.monotonic() > self.deadline:
                     raise
                 planned = self._mend(mender, planned, fleet, error, spent)
         schedules = self._schedules(fleet, encounters, solution)

@@ -16,6 +16,7 @@ CUT = 0.01
 
 _HALF_WIDTHS = (0.02, 0.04, 0.08, 0.12, 0.18, 0.24, 0.3)  # of the averaging, to choose from [m]
 _STEP = 0.02  # spacing of samples [m]
+_FEWEST = 4  # steps of a leg, however short: the speed is zero at both ends only
 _WIDENING = 0.5  # change of the half width per arc length at most [-]
 _LEAST_SHARE = 0.2  # of the turn acceleration that is left for acceleration along a bend
 
@@ -24,9 +25,9 @@ _LEAST_SHARE = 0.2  # of the turn acceleration that is left for acceleration alo
 class DrivenLeg:
     """The curve between two stops, in even samples, at least two.
 
-    Position is the average of the polyline around an arc length, with weights that fall linearly to both sides, so that
-    the curvature changes gradually, as a turn rate does. The average is as wide as leaves the polyline by `CUT` at most,
-    and of no width at the stops.
+    Position is the average of the polyline around an arc length, with weights that fall linearly to both sides, so
+    that the curvature changes gradually, as a turn rate does. The average is as wide as leaves the polyline by `CUT`
+    at most, and of no width at the stops.
 
     Attributes
     ----------
@@ -80,7 +81,7 @@ def driven_legs(path: Polyline, turns: Sequence[float]) -> List[DrivenLeg]:
 
 
 def _leg(path: Polyline, integrals: "_Integrals", low: float, high: float) -> DrivenLeg:
-    count = max(1, int(np.ceil((high - low) / _STEP)))
+    count = max(_FEWEST, int(np.ceil((high - low) / _STEP)))
     arcs = np.linspace(low, high, count + 1)
     own = path.position(arcs)
     if high <= low:
@@ -154,8 +155,10 @@ def sampled(legs: Sequence[DrivenLeg], speeds: Sequence[np.ndarray], spacing: fl
     arcs: List[float] = [0.0]
     chosen: List[float] = [0.0]
     for leg, along in zip(legs, speeds):
+        if leg.arc_lengths[-1] == leg.arc_lengths[0]:
+            continue
         every = max(1, int(round(spacing / leg.step)))
-        picks = np.arange(every, len(along) - 1, every)
+        picks = np.arange(min(every, len(along) // 2), len(along) - 1, every)
         arcs += [*leg.arc_lengths[picks], leg.arc_lengths[-1]]
         chosen += [*along[picks], along[-1]]
     return np.array(arcs), np.array(chosen)

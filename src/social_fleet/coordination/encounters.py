@@ -17,6 +17,7 @@ SHORT = 2.0
 """A window whose arcs are both shorter than this is an intersection [m]."""
 
 _STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
+_SETBACK = 1.0  # by which a window that runs along, or against, the other path may depart from that [m]
 
 
 @dataclass(frozen=True)
@@ -152,14 +153,17 @@ def _kind(runs: np.ndarray, r_extent: Tuple[float, float], s_extent: Tuple[float
     if max(r_extent[1] - r_extent[0], s_extent[1] - s_extent[0]) < SHORT:
         return "intersection"
     _, starts = np.unique(runs[:, 0], return_index=True)
-    centres = (np.minimum.reduceat(runs[:, 1], starts) + np.maximum.reduceat(runs[:, 2], starts)) / 2.0
-    steps = np.diff(centres)
-    slack = SHORT / LINK / 10.0
-    if centres[-1] > centres[0] and (steps >= -slack).all():
+    lows, highs = np.minimum.reduceat(runs[:, 1], starts), np.maximum.reduceat(runs[:, 2], starts)
+    if _rises(lows) and _rises(highs):
         return "same_direction"
-    if centres[-1] < centres[0] and (steps <= slack).all():
+    if _rises(-lows) and _rises(-highs):
         return "opposite_direction"
     return "intersection"
+
+
+def _rises(links: np.ndarray) -> bool:
+    """Whether positions on the other path rise from link to link, but for small setbacks."""
+    return bool((np.maximum.accumulate(links) - links <= _SETBACK / LINK).all())
 
 
 def contradiction(encounter: Encounter, robots: Sequence[Robot]) -> Optional[str]:

@@ -78,10 +78,10 @@ def _robot_from_dict(item: Any, source: str, field: str) -> Schedule:
     rules = tuple(_precedence(rule, source, f"{field}.precedences[{index}]")
                   for index, rule in enumerate(_get(item, "precedences", list, source, field, default=[])))
     lists: Dict[str, List] = {name: _get(item, name, list, source, field) for name in ("path", "arc_lengths", "times")}
+    name, version = _get(item, "name", str, source, field), _get(item, "version", int, source, field, default=0)
     try:
-        robot = Robot(_get(item, "name", str, source, field), lists["path"], **values, **yaws)  # type: ignore
-        return Schedule(robot, lists["arc_lengths"], lists["times"], rules,  # type: ignore[arg-type]
-                        int(_get(item, "version", int, source, field, default=0)))
+        robot = Robot(name, lists["path"], **values, **yaws)  # type: ignore[arg-type]
+        return Schedule(robot, lists["arc_lengths"], lists["times"], rules, version)  # type: ignore[arg-type]
     except InvalidInput as error:
         raise InvalidSchedule(error.message, source=source,
                               field=".".join(filter(None, (field, error.field)))) from error

@@ -12,6 +12,8 @@ import time
 from dataclasses import dataclass
 from typing import Collection, Dict, FrozenSet, Iterable, List, Optional, Sequence, Tuple
 
+import numpy as np
+
 from social_fleet.coordination.encounters import Encounter, Order
 from social_fleet.coordination.event_graph import Motion, Pace, Sides, Wait, earliest
 from social_fleet.coordination.group_program import GroupProgram
@@ -20,6 +22,7 @@ from social_fleet.coordination.solvers import solve
 from social_fleet.errors import SolverFailed, TimedOut
 
 _SLACK = 1e-6  # rounding that a wait may be missed by [s]
+_AFTER = 1e-7  # from reaching an arc length to leaving it, so that who waits there has already cleared up to it [s]
 _HEADROOM = 1e-3  # above the best known delay, so that the solver's rounding does not cut it off [s]
 
 
@@ -114,7 +117,8 @@ class ExactProgram:
         if not order.possible:
             return None
         leader, follower = self.motions[order.leader].timing, self.motions[order.follower].timing
-        return Wait(order.leader, order.follower, follower.last_time(order.at), leader.first_time(order.clear))
+        at = np.minimum(follower.last_time(order.at) + _AFTER, follower.times[-1])
+        return Wait(order.leader, order.follower, at, leader.first_time(order.clear))
 
     def _objective(self, paces: Sequence[Pace]) -> float:
         return sum(float(pace.leave[-1]) for pace, motion in zip(paces, self.motions) if not motion.fixed)
@@ -203,7 +207,7 @@ class ExactProgram:
 
     def _horizon(self, windows: Collection[int]) -> float:
         """Eq. 8, with the margins."""
-        longest = sum(motion.timing.duration + motion.depart for motion in self.motions)
+        longest = sum(max(motion.timing.duration + motion.depart, 0.0) for motion in self.motions)
         return 2.0 * longest + self.margin * len(windows)
 
     def _smallest_contradiction(self, windows: Sequence[int], robots: Sequence[int], deadline: float) -> List[int]:

@@ -22,6 +22,10 @@ _PLACES = 6  # places aside that are tried for one robot
 _ASIDE_REACH = 25.0  # how far from its start a robot steps aside at most, as the crow flies [m]
 
 
+Option = Tuple[str, Robot, Tuple[Disc, ...]]
+"""What a robot does to let others pass, the robot with that path, and the discs that it now avoids."""
+
+
 class Replanner:
     """What repair needs of a planner; `PlannerReplanner` searches in this process."""
 
@@ -123,13 +127,8 @@ class Repairs:
             raise error
         concerned = [robot for robot in fleet if robot.name in error.robots]
         movable = [robot for robot in planned if robot.name in error.robots]
-        best: Optional[Tuple[float, str, Robot, Tuple[Disc, ...]]] = None
-        for robot in movable:
-            others = [other for other in concerned if other.name != robot.name]
-            for how, changed, avoided in self._options(robot, others):
-                extra = changed.path.length - robot.path.length
-                if (best is None or extra < best[0]) and self._feasible(others + [changed]):
-                    best = extra, how, changed, avoided
+        best = (self._shortest(self._detours, movable, concerned)
+                or self._shortest(self._asides, movable, concerned))
         if best is None:
             raise error
         extra, how, changed, avoided = best
@@ -138,8 +137,20 @@ class Repairs:
         log.info("repair: %s", self.notes[-1])
         return [changed if robot.name == changed.name else robot for robot in planned]
 
-    def _options(self, robot: Robot, others: Sequence[Robot]) -> Iterator[Tuple[str, Robot, Tuple[Disc, ...]]]:
-        """Other paths for `robot`, each tried once: what it does, the robot, and the discs that it now avoids."""
+    def _shortest(self, ways: Callable[[Robot, Sequence[Robot]], Iterator[Option]], movable: Sequence[Robot],
+                  concerned: Sequence[Robot]) -> Optional[Tuple[float, str, Robot, Tuple[Disc, ...]]]:
+        """The change of path that helps and costs the least length, with that length [m]."""
+        best: Optional[Tuple[float, str, Robot, Tuple[Disc, ...]]] = None
+        for robot in movable:
+            others = [other for other in concerned if other.name != robot.name]
+            for how, changed, avoided in ways(robot, others):
+                extra = changed.path.length - robot.path.length
+                if (best is None or extra < best[0]) and self._feasible(others + [changed]):
+                    best = extra, how, changed, avoided
+        return best
+
+    def _detours(self, robot: Robot, others: Sequence[Robot]) -> Iterator[Option]:
+        """Paths round where another stands, each tried once."""
         known = self._avoided.get(robot.name, ())
         for other in others:
             discs = self._discs_in_the_way(robot, other)
@@ -151,6 +162,10 @@ class Repairs:
                 changed = self._replanner.detour(robot, known + found)
                 if changed is not None:
                     yield f"drives round {what} of {other.name}", changed, known + found
+
+    def _asides(self, robot: Robot, others: Sequence[Robot]) -> Iterator[Option]:
+        """Paths by way of a place where the others do not come, tried once."""
+        known = self._avoided.get(robot.name, ())
         names = ", ".join(other.name for other in others)
         distance = max(self._finder.safety_distance(robot, other) for other in others)
         if self._first_try(robot, others[0], "aside " + names):

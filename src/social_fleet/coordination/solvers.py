@@ -63,7 +63,7 @@ class ScipyHighs(pulp.LpSolver):
         solved = getattr(result, "x", None) is not None
         if solved:
             lp.assignVarsVals({variable.name: value for variable, value in zip(variables, result.x)})  # type: ignore
-            self.bound = result.fun if bound is None else bound  # type: ignore
+            self.bound = lp.objective.constant + (result.fun if bound is None else bound)  # type: ignore
         codes = {0: pulp.LpStatusOptimal, 1: pulp.LpStatusNotSolved, 2: pulp.LpStatusInfeasible}
         status = codes.get(result.status, pulp.LpStatusUndefined)  # type: ignore
         if status == pulp.LpStatusNotSolved and solved:
@@ -85,7 +85,8 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
     Returns
     -------
     float or None
-        The proven lower bound of the objective; None when the program is infeasible.
+        The proven lower bound of the objective, minus infinity where a solver that was stopped tells none; None when
+        the program is infeasible.
 
     Raises
     ------
@@ -103,7 +104,10 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
                        "or send fewer robots at once")
     if status != pulp.LpStatusOptimal:
         raise SolverFailed(f"{engine.name} ended with status '{pulp.LpStatus[status]}'")
-    return engine.bound if isinstance(engine, ScipyHighs) else pulp.value(program.objective)
+    if isinstance(engine, ScipyHighs):
+        return engine.bound
+    proven = program.sol_status == pulp.LpSolutionOptimal
+    return pulp.value(program.objective) if proven else -math.inf
 
 
 def _engine(solver: Optional[str], time_limit: float) -> pulp.LpSolver:

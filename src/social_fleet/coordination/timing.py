@@ -10,6 +10,7 @@ from typing import List, Optional, Tuple, Union
 
 import numpy as np
 
+from social_fleet.coordination.driven_path import driven_legs, sampled
 from social_fleet.coordination.robot import MotionLimits
 from social_fleet.geometry import Polyline, wrap_angle
 
@@ -21,7 +22,6 @@ ACCELERATION_SHARE = 0.8
 TURN_SHARE = 0.7
 
 _STEP = 0.1  # spacing of the profile's samples [m]
-_BEND_REACH = 0.2  # how far to either side of a vertex its bend is spread [m]
 _SMALLEST_TURN = math.radians(0.5)  # differences of heading that no robot turns for [rad]
 
 Arcs = Union[float, np.ndarray]
@@ -86,23 +86,18 @@ def turning_points(path: Polyline) -> Tuple[np.ndarray, np.ndarray]:
 def speed_profile(path: Polyline, limits: MotionLimits) -> Tuple[np.ndarray, np.ndarray]:
     """The fastest speeds along a path that keep to the scheduled share of each limit.
 
-    Speed is limited by the drive, in bends by the turn rate, and everywhere by the acceleration towards the
-    stops: both ends and the turning points.
+    Speed is limited by the drive, in bends by turn rate and turn acceleration, and everywhere by the acceleration
+    towards the stops: both ends and the turning points.
 
     Returns
     -------
     arc_lengths, speeds : (K,) arrays
         Samples [m] and speeds there [m/s]; between two samples the acceleration is constant.
     """
-    arcs, ceilings = _speed_ceilings(path, limits)
-    acceleration = ACCELERATION_SHARE * limits.max_acceleration
-    squares = (ceilings ** 2).tolist()
-    steps = (2.0 * acceleration * np.diff(arcs)).tolist()
-    for index in range(len(steps)):
-        squares[index + 1] = min(squares[index + 1], squares[index] + steps[index])
-    for index in range(len(steps) - 1, -1, -1):
-        squares[index] = min(squares[index], squares[index + 1] + steps[index])
-    return arcs, np.sqrt(squares)
+    usable = MotionLimits(SPEED_SHARE * limits.max_speed, ACCELERATION_SHARE * limits.max_acceleration,
+                          TURN_SHARE * limits.max_turn_rate, TURN_SHARE * limits.max_turn_acceleration)
+    legs = driven_legs(path, turning_points(path)[0].tolist())
+    return sampled(legs, [leg.permitted_speeds(usable) for leg in legs], _STEP)
 
 
 def turn_duration(angle: float, limits: MotionLimits) -> float:
@@ -167,24 +162,3 @@ def _samples(path: Polyline) -> np.ndarray:
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.append(np.repeat(path.arc_lengths[:-1], counts) + within * np.repeat(lengths / counts, counts),
                      path.length)
-
-
-def _speed_ceilings(path: Polyline, limits: MotionLimits) -> Tuple[np.ndarray, np.ndarray]:
-    """Samples along the path and the speed that each allows by itself."""
-    if path.length <= 0.0:
-        return np.zeros(1), np.zeros(1)
-    arcs = _samples(path)
-    ceilings = np.full(len(arcs), SPEED_SHARE * limits.max_speed)
-    bends = np.abs(_bends(path))
-    half = np.minimum(np.diff(path.arc_lengths) / 2.0, _BEND_REACH)
-    rate = TURN_SHARE * limits.max_turn_rate
-    for vertex, bend in enumerate(bends):
-        arc = path.arc_lengths[vertex + 1]
-        before, after = half[vertex], half[vertex + 1]
-        if bend > TURN_IN_PLACE:
-            ceilings[np.searchsorted(arcs, arc - 1e-9)] = 0.0
-        elif bend > 1e-6:
-            low, high = np.searchsorted(arcs, [arc - before - 1e-9, arc + after + 1e-9])
-            ceilings[low:high] = np.minimum(ceilings[low:high], rate * (before + after) / bend)
-    ceilings[0] = ceilings[-1] = 0.0
-    return arcs, ceilings

@@ -81,6 +81,7 @@ def _near_standstill(along: float, across: float, turn: float, reference: Refere
     """The nonlinear design of III-B (after Samson), defined at any speed."""
     cardinal_sine = math.sin(turn) / turn if abs(turn) > 1e-6 else 1.0
     linear = reference.speed * math.cos(turn) + config.along_gain * along
-    angular = (reference.turn_rate + config.across_gain * reference.speed * cardinal_sine * across
-               + config.heading_gain * turn)
+    stiffness = config.across_gain
+    heading_gain = 2.0 * config.damping * math.sqrt(reference.turn_rate ** 2 + stiffness * reference.speed ** 2)
+    angular = reference.turn_rate + stiffness * reference.speed * cardinal_sine * across + heading_gain * turn
     return linear, angular

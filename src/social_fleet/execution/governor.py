@@ -79,10 +79,13 @@ class Governor:
             self.speed = 0.0 if self.speed <= self._stepping * period else self.speed
 
     def _permitted(self, leg: int, period: float) -> float:
-        """The path's highest speed, here or a step ahead: it is zero at every stop, also at the one to depart from."""
+        """The path's highest speed, here or a step ahead: it is zero at every stop, also at the one to depart from.
+
+        What one step of acceleration gives is always permitted, or legs of a millimetre would hold the robot for ever.
+        """
         ahead = self.arc_length + (self.speed + self._stepping * period) * period
         speed = max(self._path.speed(leg, self.arc_length), self._path.speed(leg, ahead))
-        return min(speed, self._fastest)
+        return min(max(speed, self._stepping * period), self._fastest)
 
 
 def interpolate(value: float, values: List[float], results: List[float]) -> float:

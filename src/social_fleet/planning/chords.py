@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from social_fleet.mapping.distances import segment_clearance
-from social_fleet.planning.lattice import neighbour
+from social_fleet.planning.lattice import Links, neighbour
 
 
 class Ground(NamedTuple):
@@ -26,12 +26,7 @@ class Ground(NamedTuple):
 class Prices(NamedTuple):
     """What an edge costs: the lattice, the social part, and where that is waived (in cells)."""
 
-    row: np.ndarray
-    col: np.ndarray
-    up: np.ndarray
-    down: np.ndarray
-    edges: np.ndarray
-    lengths: np.ndarray
+    links: Links
     social: np.ndarray
     exempt: np.ndarray  # (E, 2) row and column about which the social part is waived
     exempt_squared: float
@@ -83,7 +78,7 @@ def edge_cost(prices: Prices, node: int, heading: int, other: int) -> float:
     """Social cost of an edge of the lattice, waived near the exempt cells."""
     for e in range(len(prices.exempt)):
         for n in (node, other):
-            drow, dcol = prices.row[n] - prices.exempt[e, 0], prices.col[n] - prices.exempt[e, 1]
+            drow, dcol = prices.links.row[n] - prices.exempt[e, 0], prices.links.col[n] - prices.exempt[e, 1]
             if drow * drow + dcol * dcol <= prices.exempt_squared:
                 return 0.0
     return prices.social[node, heading]
@@ -92,7 +87,7 @@ def edge_cost(prices: Prices, node: int, heading: int, other: int) -> float:
 @njit(cache=True)
 def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[float, float]:
     """Length and social cost of the digital line between two nodes; infinite where it breaks or passes `budget`."""
-    drow, dcol = prices.row[goal] - prices.row[node], prices.col[goal] - prices.col[node]
+    drow, dcol = prices.links.row[goal] - prices.links.row[node], prices.links.col[goal] - prices.links.col[node]
     steps, minor = max(abs(drow), abs(dcol)), min(abs(drow), abs(dcol))
     straight, diagonal = _line_headings(drow, dcol)
     length, social = 0.0, 0.0
@@ -103,10 +98,10 @@ def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[flo
         if error < 0:
             heading = diagonal
             error += steps
-        if not prices.edges[node] >> heading & 1:
+        if not prices.links.edges[node] >> heading & 1:
             return np.inf, np.inf
-        other = neighbour(node, heading, prices.up, prices.down)
-        length += prices.lengths[heading]
+        other = neighbour(prices.links, node, heading)
+        length += prices.links.lengths[heading]
         social += edge_cost(prices, node, heading, other)
         if length + social > budget:
             return np.inf, np.inf

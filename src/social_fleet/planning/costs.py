@@ -6,11 +6,12 @@ import numpy as np
 from numba import njit
 
 from social_fleet.mapping.walls import HEADINGS, wall_distances
-from social_fleet.planning.lattice import SQRT2, Lattice, neighbour
+from social_fleet.planning.lattice import SQRT2, Lattice, Links, neighbour
 from social_fleet.planning.norms import Norm
 
 # A change of the followed distance by more than this many steps is an opening, not a drift.
 OPENING = 2.0
+STRAIGHT_GAIN = 0.95  # share of a zigzag's cost that the straight way costs at most
 
 
 def walls_beside(blocked: np.ndarray, resolution: float, *, limit: float, stretch: float) -> np.ndarray:
@@ -78,24 +79,45 @@ def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: fl
     """
     walls = walls_beside(blocked, lattice.resolution, limit=norm.reach, stretch=stretch)
     walls = walls[:, lattice.row, lattice.col]
+    costs = [norm.heading_cost(walls, heading) for heading in range(8)]
+    rates = np.stack([np.asarray(cost.rate, dtype=np.float32) for cost in costs])
+    _forbid_tacking(rates)
     social = np.empty((len(lattice), 8), dtype=np.float32)
-    for heading in range(8):
-        cost = norm.heading_cost(walls, heading)
-        rate, followed, weight = (np.asarray(part, dtype=np.float32)
-                                  for part in (cost.rate, cost.followed, cost.change_weight))
-        _integrate(heading, lattice.lengths[heading], lattice.up, lattice.down, lattice.edges, rate, followed, weight,
-                   social)
+    for heading, cost in enumerate(costs):
+        _integrate(lattice.links, heading, rates[heading], np.asarray(cost.followed, dtype=np.float32),
+                   np.asarray(cost.change_weight, dtype=np.float32), social)
     return social
 
 
 @njit(cache=True)
-def _integrate(heading: int, length: float, up: np.ndarray, down: np.ndarray, edges: np.ndarray, rate: np.ndarray,
-               followed: np.ndarray, weight: np.ndarray, social: np.ndarray) -> None:
-    for n in range(len(up)):
-        if not edges[n] >> heading & 1:
+def _forbid_tacking(rates: np.ndarray) -> None:
+    """Lower the rate of a heading to what it costs to make way in it by zigzag in two others, and a little less.
+
+    A norm judges every heading by itself, so two headings may be cheap that enclose a dear one; the cheapest way in
+    the dear one would then be to tack like a boat. A unit of way is made by 1 / sqrt(2) in each of the two headings 45
+    degrees off, or by sqrt(2) in one of these and 1 in the one 90 degrees off on the other side.
+    """
+    per_metre = np.empty(8)
+    for n in range(rates.shape[1]):
+        for k in range(8):
+            per_metre[k] = 1.0 + rates[k, n]
+        for k in range(8):
+            left, right = per_metre[(k + 1) % 8], per_metre[(k + 7) % 8]
+            zigzag = min((left + right) / SQRT2, SQRT2 * left + per_metre[(k + 6) % 8],
+                         SQRT2 * right + per_metre[(k + 2) % 8])
+            rates[k, n] = min(rates[k, n], max(STRAIGHT_GAIN * zigzag - 1.0, 0.0))
+
+
+@njit(cache=True)
+def _integrate(links: Links, heading: int, rate: np.ndarray, followed: np.ndarray, weight: np.ndarray,
+               social: np.ndarray) -> None:
+    """Fill the column of `social` for one heading."""
+    length = links.lengths[heading]
+    for n in range(len(links.row)):
+        if not links.edges[n] >> heading & 1:
             social[n, heading] = np.inf
             continue
-        m = neighbour(n, heading, up, down)
+        m = neighbour(links, n, heading)
         cost = 0.5 * length * (rate[n] + rate[m])
         drift = abs(followed[m] - followed[n])
         if drift <= OPENING * length + 1e-6:

@@ -6,7 +6,7 @@ edge exists only where the straight one does. Headings count counter-clockwise f
 """
 
 import math
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 from numba import njit
@@ -22,6 +22,17 @@ SQRT2 = math.sqrt(2.0)
 def fitting_radius(space: ConfigurationSpace) -> float:
     """The robot's radius in cells, less half of what counts as touching, so that rounding never matters."""
     return (space.radius - 0.5 * TOUCH_TOLERANCE) / space.grid.resolution
+
+
+class Links(NamedTuple):
+    """A lattice as its kernels see it; see `Lattice` for the arrays."""
+
+    row: np.ndarray
+    col: np.ndarray
+    up: np.ndarray
+    down: np.ndarray
+    edges: np.ndarray
+    lengths: np.ndarray
 
 
 class Lattice:
@@ -43,10 +54,12 @@ class Lattice:
     edges : (N,) uint8 array
         Bit k is set where the edge in heading k can be driven: the neighbour is free, for a diagonal both its
         orthogonal neighbours too, and the robot's disc fits all along.
-    component : (N,) int32 array
-        Nodes with the same number reach each other.
     lengths : (8,) float64 array
         Length [m] of an edge by heading.
+    links : Links
+        The arrays above for kernels.
+    component : (N,) int32 array
+        Nodes with the same number reach each other.
     """
 
     def __init__(self, space: ConfigurationSpace) -> None:
@@ -55,8 +68,9 @@ class Lattice:
         self.node, self.row, self.col, self.up, self.down = _number(space.free)
         self.edges = _drivable_edges(self.node, self.row, self.col, space.clearance, grid.blocked,
                                      fitting_radius(space), grid.resolution)
-        self.component, self.component_sizes = _components(self.up, self.down, self.edges)
         self.lengths = np.where(np.arange(8) % 2 == 0, 1.0, SQRT2) * grid.resolution
+        self.links = Links(self.row, self.col, self.up, self.down, self.edges, self.lengths)
+        self.component, self._sizes = _components(self.links)
 
     def __len__(self) -> int:
         return len(self.row)
@@ -67,20 +81,22 @@ class Lattice:
 
     @property
     def largest_component(self) -> np.ndarray:
-        """Nodes of the largest component, ascending."""
-        return np.flatnonzero(self.component == np.argmax(self.component_sizes))
+        """Nodes of the largest component, ascending; none on a map without free cells."""
+        if not len(self._sizes):
+            return np.zeros(0, dtype=np.int64)
+        return np.flatnonzero(self.component == np.argmax(self._sizes))
 
 
 @njit(cache=True)
-def neighbour(node: int, heading: int, up: np.ndarray, down: np.ndarray) -> int:
+def neighbour(links: Links, node: int, heading: int) -> int:
     """The node that an edge of `node` in `heading` leads to; only valid where that edge exists."""
     if heading == 0:
         return node + 1
     if heading == 4:
         return node - 1
     if heading < 4:
-        return up[node] + 2 - heading
-    return down[node] + heading - 6
+        return links.up[node] + 2 - heading
+    return links.down[node] + heading - 6
 
 
 @njit(cache=True)
@@ -137,12 +153,14 @@ def _drivable_edges(node: np.ndarray, row: np.ndarray, col: np.ndarray, clearanc
 
 
 @njit(cache=True)
-def _components(up: np.ndarray, down: np.ndarray, edges: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    component = np.full(len(up), -1, dtype=np.int32)
-    stack = np.empty(len(up), dtype=np.int32)
-    sizes = np.zeros(len(up), dtype=np.int32)
+def _components(links: Links) -> Tuple[np.ndarray, np.ndarray]:
+    """The component of every node, and how many nodes each component has."""
+    nodes = len(links.row)
+    component = np.full(nodes, -1, dtype=np.int32)
+    stack = np.empty(nodes, dtype=np.int32)
+    sizes = np.zeros(nodes, dtype=np.int32)
     count = 0
-    for seed in range(len(up)):
+    for seed in range(nodes):
         if component[seed] >= 0:
             continue
         component[seed] = count
@@ -153,8 +171,8 @@ def _components(up: np.ndarray, down: np.ndarray, edges: np.ndarray) -> Tuple[np
             n = stack[top]
             sizes[count] += 1
             for k in range(8):
-                if edges[n] >> k & 1:
-                    m = neighbour(n, k, up, down)
+                if links.edges[n] >> k & 1:
+                    m = neighbour(links, n, k)
                     if component[m] < 0:
                         component[m] = count
                         stack[top] = m

@@ -11,6 +11,8 @@ import numpy as np
 
 from social_fleet.planning.config import PlannerConfig
 
+PASSING_GAP = 0.2  # [m] between two robots that pass each other
+
 
 @dataclass(frozen=True)
 class HeadingCost:
@@ -96,11 +98,22 @@ class KeepSide(Norm):
         far = walls[(heading - self._towards) % 8]
         two_lanes = self._two_lanes(near + far)
         lane = two_lanes * config.lane_standoff + (1.0 - two_lanes) * 0.5 * (near + far)
+        width = near + far
         open_near = near > config.open_area
-        astray = np.where(open_near, config.open_area * self._guided(far), np.abs(near - lane))
-        shortfall = np.where(open_near, np.maximum(config.buffer_distance - far, 0.0), 0.0)
-        rate = config.w_right * astray + config.w_buf * shortfall
+        astray = np.where(open_near, min(config.open_area,float(__import__('os').environ.get('CAP2','99'))) * self._guided(far), np.minimum(np.abs(near - lane),float(__import__('os').environ.get('CAP','99'))))
+        buffer = np.where(open_near, np.maximum(config.buffer_distance - far, 0.0),
+                          two_lanes * self._narrow(width) * self._oncoming(near, far))
+        rate = config.w_right * astray + config.w_buf * buffer
         return HeadingCost(rate.astype(np.float32), near, (config.w_const * two_lanes).astype(np.float32))
+
+    def _oncoming(self, near: np.ndarray, far: np.ndarray) -> np.ndarray:
+        """How far [m] the robot's half of the passing distance reaches over the middle, at most all of it."""
+        passing = 2.0 * self._config.robot_radius + PASSING_GAP
+        return 0.5 * np.clip(near - far + passing, 0.0, 2.0 * passing)
+
+    def _narrow(self, width: np.ndarray) -> np.ndarray:
+        """1 in corridors of up to twice the width of two lanes, falling to 0 at four times."""
+        return np.clip(2.0 - 0.5 * width / self._config.fade_widths[1], 0.0, 1.0)
 
     def _guided(self, far: np.ndarray) -> np.ndarray:
         """1 beside a far wall, falling to 0 where that is an open area away too and no wall guides at all."""

@@ -187,8 +187,8 @@ class SocialPlanner:
         joints = np.hypot(*(points[[0, -1]] - points[[1, -2]]).T) * lattice.resolution
         paid = np.concatenate([[0.0], paid + joints[0], [paid[-1] + joints.sum()]])
         exempt = lattice.cells(result.nodes[[0, -1]])
-        prices = Prices(lattice.row, lattice.col, lattice.up, lattice.down, lattice.edges, lattice.lengths,
-                        self._social, exempt, (self.config.exemption_radius / lattice.resolution) ** 2)
+        prices = Prices(lattice.links, self._social, exempt,
+                        (self.config.exemption_radius / lattice.resolution) ** 2)
         return smooth(points, nodes, paid, self._ground(discs), prices,
                       bound=self.config.smoothing_bound if planner == "social" else -1.0,
                       corner_radius=self.config.corner_radius)

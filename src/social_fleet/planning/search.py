@@ -6,12 +6,12 @@ expanded again when a cheaper way to it turns up, so the order inside a bucket a
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.lattice import DCOL, DROW, Lattice, neighbour
+from social_fleet.planning.lattice import DCOL, DROW, Lattice, Links, neighbour
 
 BUCKETS_PER_CELL = 16
 MAX_BUCKETS = 1 << 16
@@ -40,6 +40,35 @@ class SearchResult:
     expanded: int
 
 
+class Query(NamedTuple):
+    """One search: `exempt` is the squared radius [cells^2] about start and goal where the social part is waived."""
+
+    start: int
+    goal: int
+    social: bool
+    graph: np.ndarray
+    has_graph: bool
+    epsilon: float
+    exempt: float
+
+
+class Memory(NamedTuple):
+    """Per node: cost to reach it (inf where it wasn't, -inf where it must not be) and heading of arrival; then a list."""
+
+    reached: np.ndarray
+    arrival: np.ndarray
+    touched: np.ndarray
+
+
+class Queue(NamedTuple):
+    """Buckets as linked lists: the top entry of each, and of every entry its node, its cost and the entry below."""
+
+    heads: np.ndarray
+    node: np.ndarray
+    cost: np.ndarray
+    below: np.ndarray
+
+
 class Search:
     """Searches one lattice again and again in the same memory.
 
@@ -61,18 +90,19 @@ class Search:
         self._social = social
         self._exempt = (exemption_radius / lattice.resolution) ** 2
         self._epsilon = epsilon
-        self._no_graph = np.zeros(1, dtype=np.uint8)
+        self._none = np.zeros(1, dtype=np.uint8)
         dearest = float(np.max(social, where=np.isfinite(social), initial=0.0)) + epsilon
         width = lattice.resolution / BUCKETS_PER_CELL
         span = 2.0 * lattice.lengths.max() + dearest
         width = max(width, span / (MAX_BUCKETS - 4))
         self._width = width
-        self._heads = np.full(1 << math.ceil(math.log2(span / width + 4.0)), -1, dtype=np.int32)
+        buckets = 1 << math.ceil(math.log2(span / width + 4.0))
+        self._queue = Queue(np.full(buckets, -1, dtype=np.int32), np.empty(4096, dtype=np.int32), np.empty(4096),
+                            np.empty(4096, dtype=np.int32))
         count = len(lattice)
         self._reached = np.full(count, np.inf)
         self._arrival = np.zeros(count, dtype=np.uint8)
         self._touched = np.empty(count, dtype=np.int32)
-        self._pool = (np.empty(4096, dtype=np.int32), np.empty(4096, dtype=np.int32), np.empty(4096))
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
         """The shortest path, without social cost. See `cheapest`."""
@@ -104,14 +134,14 @@ class Search:
         if closed is not None:
             self._reached[closed] = -np.inf
         epsilon = self._epsilon if graph is not None else 0.0
-        cost, expanded, touched, self._pool = _search(
-            start, goal, lattice.row, lattice.col, lattice.up, lattice.down, lattice.edges, self._social,
-            lattice.lengths, social, self._no_graph if graph is None else graph, graph is not None, epsilon,
-            self._exempt, lattice.resolution, self._width, self._reached, self._arrival, self._touched, self._heads,
-            self._pool)
+        no_graph = self._none if graph is None else graph
+        query = Query(start, goal, social, no_graph, graph is not None, epsilon, self._exempt)
+        memory = Memory(self._reached, self._arrival, self._touched)
+        cost, expanded, touched, self._queue = _search(lattice.links, self._social, query, memory, self._queue,
+                                                       lattice.resolution, self._width)
         result = None
         if math.isfinite(cost):
-            nodes, headings = _trace(start, goal, self._arrival, lattice.up, lattice.down)
+            nodes, headings = _trace(lattice.links, start, goal, self._arrival)
             result = SearchResult(nodes, headings, cost, expanded)
         self._reached[self._touched[:touched]] = np.inf
         if closed is not None:
@@ -134,88 +164,117 @@ class Search:
 
 
 @njit(cache=True)
-def _octile(drow: int, dcol: int) -> float:
+def octile(drow: int, dcol: int) -> float:
     """Length in cells of the shortest 8-connected path over an empty map."""
     drow, dcol = abs(drow), abs(dcol)
     return max(drow, dcol) + OCTILE * min(drow, dcol)
 
 
 @njit(cache=True)
-def _search(start, goal, row, col, up, down, edges, social, lengths, is_social, graph, has_graph, epsilon,  # type: ignore
-            exempt, resolution, width, reached, arrival, touched, heads, pool):
-    """Returns (cost or inf, expanded, number of touched nodes, pool); `reached` holds -inf at closed nodes."""
-    pool_node, pool_next, pool_cost = pool
-    mask = len(heads) - 1
-    heads[:] = -1
-    used = 0
-    spare = -1
-    live = 0
-    goal_row, goal_col = row[goal], col[goal]
-    start_row, start_col = row[start], col[start]
+def _push(queue: Queue, state: np.ndarray, bucket: int, node: int, cost: float) -> None:
+    """Put a node into a bucket; there must be room. `state` is (next unused entry, first spare entry, entries in use)."""
+    entry = state[1]
+    if entry >= 0:
+        state[1] = queue.below[entry]
+    else:
+        entry = state[0]
+        state[0] += 1
+    slot = bucket & (len(queue.heads) - 1)
+    queue.node[entry] = node
+    queue.cost[entry] = cost
+    queue.below[entry] = queue.heads[slot]
+    queue.heads[slot] = entry
+    state[2] += 1
+
+
+@njit(cache=True)
+def _pop(queue: Queue, state: np.ndarray, slot: int) -> int:
+    """Take the entry on top of a bucket that has one."""
+    entry = queue.heads[slot]
+    queue.heads[slot] = queue.below[entry]
+    queue.below[entry] = state[1]
+    state[1] = entry
+    state[2] -= 1
+    return entry
+
+
+@njit(cache=True)
+def _grown(queue: Queue) -> Queue:
+    """The queue with room for twice as many entries."""
+    return Queue(queue.heads, np.concatenate((queue.node, queue.node)), np.concatenate((queue.cost, queue.cost)),
+                 np.concatenate((queue.below, queue.below)))
+
+
+@njit(cache=True)
+def _distance_squared(links: Links, a: int, b: int) -> int:
+    """Between the centres of two nodes [cells^2]."""
+    drow, dcol = links.row[a] - links.row[b], links.col[a] - links.col[b]
+    return drow * drow + dcol * dcol
+
+
+@njit(cache=True)
+def _nearness(links: Links, query: Query, node: int, margin: float) -> int:
+    """2 where all edges of a node are exempt from social cost, 1 where some may be, 0 where none is."""
+    nearest = min(_distance_squared(links, node, query.start), _distance_squared(links, node, query.goal))
+    if nearest <= query.exempt:
+        return 2
+    return 1 if nearest <= margin else 0
+
+
+@njit(cache=True)
+def _search(links: Links, social: np.ndarray, query: Query, memory: Memory, queue: Queue, resolution: float,
+            width: float) -> Tuple[float, int, int, Queue]:
+    """Returns the cost (inf where there is no path), expanded and touched nodes, and the queue, perhaps grown."""
+    reached, arrival, touched = memory
+    state = np.array([0, -1, 0])
+    mask = len(queue.heads) - 1
+    queue.heads[:] = -1
+    goal_row, goal_col = links.row[query.goal], links.col[query.goal]
     # One step from the exempt disc an edge may still have an end in it.
-    margin = (math.sqrt(exempt) + 1.5) ** 2
-    base = _octile(goal_row - start_row, goal_col - start_col) * resolution
-    scale = 1.0 / width
-    reached[start] = 0.0
-    touched[0] = start
-    touch = 1
-    pool_node[0], pool_cost[0], pool_next[0] = start, 0.0, -1
-    heads[0] = 0
-    used, live = 1, 1
-    bucket = 0
-    best = np.inf
-    expanded = 0
-    while live > 0:
-        entry = heads[bucket & mask]
-        if entry < 0:
+    margin = (math.sqrt(query.exempt) + 1.5) ** 2
+    base = octile(goal_row - links.row[query.start], goal_col - links.col[query.start]) * resolution
+    reached[query.start] = 0.0
+    touched[0] = query.start
+    touch, expanded, bucket, best = 1, 0, 0, np.inf
+    _push(queue, state, 0, query.start, 0.0)
+    while state[2] > 0:
+        if queue.heads[bucket & mask] < 0:
             bucket += 1
-            if best < np.inf and base + bucket * width > best:
+            if base + bucket * width > best:
                 break
             continue
-        heads[bucket & mask] = pool_next[entry]
-        pool_next[entry] = spare
-        spare = entry
-        live -= 1
-        node, cost = np.int64(pool_node[entry]), pool_cost[entry]
+        entry = _pop(queue, state, bucket & mask)
+        node, cost = np.int64(queue.node[entry]), queue.cost[entry]
         if cost > reached[node]:
             continue
-        r, c = row[node], col[node]
-        if node == goal:
+        if node == query.goal:
             best = cost
             continue
-        if cost + _octile(r - goal_row, c - goal_col) * resolution >= best:
+        r, c = links.row[node], links.col[node]
+        if cost + octile(r - goal_row, c - goal_col) * resolution >= best:
             continue
         expanded += 1
-        near_start = (r - start_row) ** 2 + (c - start_col) ** 2
-        near_goal = (r - goal_row) ** 2 + (c - goal_col) ** 2
-        near = near_start <= margin or near_goal <= margin
-        inside = near_start <= exempt or near_goal <= exempt
-        bits = edges[node]
-        above, below = np.int64(up[node]), np.int64(down[node])
+        if state[0] + 8 > len(queue.node):
+            queue = _grown(queue)
+        nearness = _nearness(links, query, node, margin) if query.social else 2
+        learnt = query.graph[node] if query.has_graph else 0
+        above, below = np.int64(links.up[node]), np.int64(links.down[node])
         around = (node + 1, above + 1, above, above - 1, node - 1, below - 1, below, below + 1)
         for k in range(8):
-            if not bits >> k & 1:
+            if not links.edges[node] >> k & 1:
                 continue
             other = around[k]
             known = reached[other]
-            total = cost + lengths[k]
+            total = cost + links.lengths[k]
             if total >= known:
                 continue
-            r2, c2 = r + DROW[k], c + DCOL[k]
-            if is_social:
-                if has_graph and graph[node] >> k & 1:
-                    pass
-                else:
-                    free_of_cost = inside
-                    if near and not inside:
-                        free_of_cost = ((r2 - start_row) ** 2 + (c2 - start_col) ** 2 <= exempt
-                                        or (r2 - goal_row) ** 2 + (c2 - goal_col) ** 2 <= exempt)
-                    total += epsilon
-                    if not free_of_cost:
-                        total += social[node, k]
-                    if total >= known:
-                        continue
-            estimate = total + _octile(r2 - goal_row, c2 - goal_col) * resolution
+            if not learnt >> k & 1:
+                total += query.epsilon
+                if nearness == 0 or (nearness == 1 and _nearness(links, query, other, margin) < 2):
+                    total += social[node, k]
+                if total >= known:
+                    continue
+            estimate = total + octile(r + DROW[k] - goal_row, c + DCOL[k] - goal_col) * resolution
             if estimate >= best:
                 continue
             if known == np.inf:
@@ -223,33 +282,17 @@ def _search(start, goal, row, col, up, down, edges, social, lengths, is_social, 
                 touch += 1
             reached[other] = total
             arrival[other] = k
-            if spare >= 0:
-                entry = spare
-                spare = pool_next[entry]
-            else:
-                if used == len(pool_node):
-                    pool_node = np.concatenate((pool_node, np.empty_like(pool_node)))
-                    pool_next = np.concatenate((pool_next, np.empty_like(pool_next)))
-                    pool_cost = np.concatenate((pool_cost, np.empty_like(pool_cost)))
-                entry = used
-                used += 1
-            slot = max(int((estimate - base) * scale), bucket)
-            pool_node[entry] = other
-            pool_cost[entry] = total
-            pool_next[entry] = heads[slot & mask]
-            heads[slot & mask] = entry
-            live += 1
-    return best, expanded, touch, (pool_node, pool_next, pool_cost)
+            _push(queue, state, max(int((estimate - base) / width), bucket), other, total)
+    return best, expanded, touch, queue
 
 
 @njit(cache=True)
-def _trace(start: int, goal: int, arrival: np.ndarray, up: np.ndarray,
-           down: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def _trace(links: Links, start: int, goal: int, arrival: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Nodes and headings of the path, followed back from the goal."""
     count = 1
     node = goal
     while node != start:
-        node = neighbour(node, (arrival[node] + 4) % 8, up, down)
+        node = neighbour(links, node, (arrival[node] + 4) % 8)
         count += 1
     nodes = np.empty(count, dtype=np.int32)
     headings = np.empty(count - 1, dtype=np.uint8)
@@ -257,6 +300,6 @@ def _trace(start: int, goal: int, arrival: np.ndarray, up: np.ndarray,
     for i in range(count - 1, 0, -1):
         nodes[i] = node
         headings[i - 1] = arrival[node]
-        node = neighbour(node, (arrival[node] + 4) % 8, up, down)
+        node = neighbour(links, node, (arrival[node] + 4) % 8)
     nodes[0] = start
     return nodes, headings

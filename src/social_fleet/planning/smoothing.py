@@ -12,9 +12,8 @@ from social_fleet.planning.corners import merge_bends, round_corners
 
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
 SPACING = 1.0  # [m] between places where a chord may end
-import os
-VERTEX_COST = float(os.environ.get("VC", 0.1))  # [m] that a vertex is worth, so that chords come out long
-TURN_COST = float(os.environ.get("TC", 0.5))  # [m/rad] that a turn is worth, about the way that a robot loses by it
+VERTEX_COST = 0.1  # [m] that a vertex is worth, so that chords come out long
+TURN_COST = 1.5  # [m/rad] that a turn is worth
 REACH = 15.0  # [m] of a single chord before the last pass
 PATIENCE = 6
 SMALLEST_RADIUS = 0.1  # [m] of a corner's arc
@@ -50,8 +49,9 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
         return points.copy()
     cells = 1.0 / ground.resolution
     candidates = candidates_of(points, STAIRCASE, SPACING * cells)
-    chosen = pull(ground, prices, points, nodes, paid, candidates, bound, VERTEX_COST, TURN_COST, REACH,
-                  PATIENCE)
+    chosen = pull(ground, prices, points, nodes, paid, candidates, bound, VERTEX_COST, TURN_COST, REACH, PATIENCE)
+    # Where no chord fitted, every point of the path becomes a candidate.
+    chosen = pull(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST, REACH, 2 * PATIENCE)
     chosen = drop_needless(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST)
     vertices = points[chosen]
     if corner_radius <= 0.0:

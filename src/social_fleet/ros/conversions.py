@@ -54,7 +54,7 @@ def quaternion_to_yaw(quaternion: Quaternion, what: str = "pose", refuse: Type[I
     x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not abs(norm - 1.0) <= UNIT_TOLERANCE:
-        raise refuse(f"the {what}'s orientation ({x:g}, {y:g}, {z:g}, {w:g}) is not a unit quaternion; "
+        raise refuse(f"the orientation ({x:g}, {y:g}, {z:g}, {w:g}) of the {what} is not a unit quaternion; "
                      "w = 1 is no turn")
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
@@ -62,7 +62,7 @@ def quaternion_to_yaw(quaternion: Quaternion, what: str = "pose", refuse: Type[I
 def pose_from_message(message: PoseMessage, what: str = "pose", refuse: Type[InvalidPose] = InvalidPose) -> Pose:
     """A planar pose; raises `refuse` when a value is not finite or the quaternion is not one."""
     if not (math.isfinite(message.position.x) and math.isfinite(message.position.y)):
-        raise refuse(f"the {what}'s position ({message.position.x:g}, {message.position.y:g}) is not finite")
+        raise refuse(f"the position ({message.position.x:g}, {message.position.y:g}) of the {what} is not finite")
     return Pose(message.position.x, message.position.y, quaternion_to_yaw(message.orientation, what, refuse))
 
 
@@ -138,7 +138,7 @@ def path_from_message(message: Path, frame: str, what: str = "path") -> Tuple[np
     points = np.array([(stamped.pose.position.x, stamped.pose.position.y) for stamped in message.poses])
     if not np.isfinite(points).all():
         raise InvalidInput(f"the {what} holds a position that is not finite")
-    return points, quaternion_to_yaw(message.poses[-1].pose.orientation, f"{what}'s last pose")
+    return points, quaternion_to_yaw(message.poses[-1].pose.orientation, f"last pose of the {what}")
 
 
 def plan_to_planned_path(plan: Plan, robot: str, max_speed: float, frame: str, stamp: genpy.Time) -> PlannedPath:
@@ -223,7 +223,7 @@ def _optional_yaw(quaternion: Quaternion, what: str) -> Optional[float]:
     """None for the all-zero quaternion, which is what a field holds that nobody set."""
     if quaternion == Quaternion():
         return None
-    return quaternion_to_yaw(quaternion, f"{what} at its start")
+    return quaternion_to_yaw(quaternion, f"start of the {what}")
 
 
 def points_to_messages(points: Points) -> List[Point]:

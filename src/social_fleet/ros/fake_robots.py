@@ -192,11 +192,15 @@ class FakeRobots:
                     self._config.answer_timeout, ", ".join(sorted(self._awaited))))
 
     def _keep_pace(self, due: float) -> float:
-        """Sleep until wall time has caught up with simulated time; when the next tick is due."""
+        """Sleep until wall time has caught up with simulated time; when the next tick is due.
+
+        As fast as the trackers answer means real time while there is none.
+        """
         now = time.monotonic()
-        if self._clock is None or self._factor == 0.0:
+        factor = self._factor or (0.0 if self._prompt else 1.0)
+        if self._clock is None or factor == 0.0:
             return now
-        due += self._world.clock.period / self._factor
+        due += self._world.clock.period / factor
         if due > now:
             rospy.rostime.wallsleep(due - now)
         return max(due, now - 1.0)

@@ -14,7 +14,7 @@ from social_fleet.errors import InvalidInput
 from social_fleet.msg import EncounterWindow as WindowMessage, PlannedPath, Progress, Schedule as ScheduleMessage
 from social_fleet.parameters import parameter
 from social_fleet.ros import conversions, markers, parameters
-from social_fleet.scenario.pictures.style import robot_colours
+from social_fleet.scenario.pictures.colours import robot_colours
 
 
 @dataclass(frozen=True)

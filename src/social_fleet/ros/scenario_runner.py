@@ -10,6 +10,7 @@ import rospy
 from std_msgs.msg import Float64
 
 from social_fleet.coordination.schedule import FleetSchedule
+from social_fleet.cli.simulate import summary
 from social_fleet.errors import NotReady, SocialFleetError
 from social_fleet.mapping.files import load_map
 from social_fleet.mapping.grid import OccupancyGrid
@@ -66,14 +67,15 @@ class ScenarioRunner:
     def spin(self) -> int:
         """Run the scenario; 0 when it passed, 1 when not."""
         try:
-            report = self._run()
+            report = self.run()
         except SocialFleetError as error:
             rospy.logerr("the scenario %s failed: %s", self._scenario.name, error)
             return 1
-        print("\n" + table(report), flush=True)
+        print("\n" + "\n".join(summary(report)), flush=True)
         return 0 if report.passed else 1
 
-    def _run(self) -> Report:
+    def run(self) -> Report:
+        """Plan, coordinate, drive, judge, and write what is wanted of it."""
         begun = time.monotonic()
         fleet = self._schedule()
         ready = time.monotonic()
@@ -146,18 +148,3 @@ class ScenarioRunner:
         space_time_picture(fleet, os.path.join(self._out, "space_time.png"), title=title, recording=recording)
         animate(grid, fleet, os.path.join(self._out, "fleet.gif"), recording=recording,
                 obstacles=self._scenario.obstacles, title=title)
-
-
-def table(report: Report) -> str:
-    """The verdict as lines for a terminal."""
-    lines = [f"{'robot':<12} {'arrived':>8} {'scheduled':>10} {'path':>8} {'off reference':>14}"]
-    for robot in report.robots:
-        arrived = "never" if robot.arrival_time is None else f"{robot.arrival_time:.1f} s"
-        lines.append(f"{robot.name:<12} {arrived:>8} {robot.scheduled_time:>8.1f} s {robot.path_length:>6.1f} m "
-                     f"{robot.max_tracking_error:>12.3f} m")
-    clearance = "" if report.min_clearance is None else f", smallest clearance {report.min_clearance:.2f} m"
-    factor = report.simulated_time / report.wall_time if report.wall_time > 0.0 else math.inf
-    lines.append(f"{'passed' if report.passed else 'FAILED'}: {len(report.collisions)} collisions{clearance}; "
-                 f"{report.simulated_time:.1f} s simulated in {report.wall_time:.1f} s, {factor:.1f} x real time")
-    lines += report.failures
-    return "\n".join(lines)

@@ -11,10 +11,10 @@ from social_fleet.execution.config import TrackerConfig
 from social_fleet.execution.gate import ReportedProgress
 from social_fleet.execution.tracker import Tracker
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.scenario.files import Expect, Scenario
 from social_fleet.scenario.lookout import Lookout
 from social_fleet.scenario.recording import Recorder, Recording
 from social_fleet.scenario.report import Report, judge
+from social_fleet.scenario.scenario import Expect, Scenario
 from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
 from social_fleet.simulation.world import World

@@ -14,7 +14,7 @@ from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph
-from social_fleet.scenario.files import RobotSpec, Scenario
+from social_fleet.scenario.scenario import RobotSpec, Scenario
 from social_fleet.scenario.locations import PACKAGE
 
 _LIMITS = ("max_acceleration", "max_turn_rate", "max_turn_acceleration")

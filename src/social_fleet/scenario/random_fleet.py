@@ -9,7 +9,7 @@ from social_fleet.errors import InvalidInput, InvalidScenario
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.scenario.files import RobotSpec, Scenario
+from social_fleet.scenario.scenario import RobotSpec, Scenario
 
 ROOM = 0.5  # [m] between the surfaces of two robots at their starts, or at their goals
 SLOWEST = 1.0 / 3.0  # of the maximum, in fleets of mixed speed

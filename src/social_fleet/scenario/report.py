@@ -11,9 +11,9 @@ from social_fleet.errors import InvalidScenario
 from social_fleet.files import PathLike, write_json
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario import judge as judging
-from social_fleet.scenario.files import Expect
 from social_fleet.scenario.judge import Contact
 from social_fleet.scenario.recording import Recorder, Recording
+from social_fleet.scenario.scenario import Expect
 from social_fleet.simulation.faults import CircleObstacle
 
 __all__ = ["Recorder", "Recording", "Report", "RobotReport", "judge", "write_report"]

@@ -10,9 +10,9 @@ from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.files import PathLike, atomic_write
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario.pictures.canvas import Canvas, flatten, font, text_width, write
+from social_fleet.scenario.pictures.colours import FAINT, INK, rgb, robot_colours
 from social_fleet.scenario.pictures.fleet_layer import path_points
 from social_fleet.scenario.pictures.map_layer import content_box
-from social_fleet.scenario.pictures.style import FAINT, INK, rgb, robot_colours
 from social_fleet.scenario.pictures.timeline import driven_arcs
 from social_fleet.scenario.recording import Recording
 from social_fleet.simulation.faults import CircleObstacle

@@ -8,8 +8,8 @@ from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 
 from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.scenario.pictures.colours import UNKNOWN
 from social_fleet.scenario.pictures.map_layer import Box, cell_colours
-from social_fleet.scenario.pictures.style import UNKNOWN
 
 COLOURS = 128  # of an animation
 

@@ -10,8 +10,9 @@ from matplotlib.patches import Circle
 
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule
 from social_fleet.geometry import Polyline, Pose
+from social_fleet.scenario.pictures.colours import FAINT, INK, KIND_COLOURS, KIND_LABELS
 from social_fleet.scenario.pictures.map_layer import Box, draw_scale_bar
-from social_fleet.scenario.pictures.style import FAINT, INK, KIND_COLOURS, KIND_LABELS, halo, inches
+from social_fleet.scenario.pictures.style import halo, inches
 
 MOST_NOTES = 10  # encounters that are written out; more would hide the map
 ARROWS_ACROSS = 7  # arrows on a path as long as the picture is wide
@@ -20,7 +21,7 @@ ARROWS_ACROSS = 7  # arrows on a path as long as the picture is wide
 def path_widths(number: int) -> np.ndarray:
     """Line widths [pt] such that of paths on top of each other every one shows."""
     if number <= 8:
-        return np.linspace(min(1.8 + 0.9 * (number - 1), 5.0), 1.8, number)
+        return np.linspace(min(1.8 + 0.8 * (number - 1), 4.2), 1.8, number)
     return np.full(number, 1.8)
 
 
@@ -46,10 +47,21 @@ def draw_ends(axes: Axes, start: Pose, goal: Pose, radius: float, colour: str, b
     nose = start.x + 0.8 * seen * math.cos(start.yaw), start.y + 0.8 * seen * math.sin(start.yaw)
     axes.plot([start.x, nose[0]], [start.y, nose[1]], color="white", linewidth=1.3, zorder=10, solid_capstyle="round")
     if name:
-        inwards = -1.0 if start.x > 0.5 * (box[0] + box[2]) else 1.0
-        axes.text(start.x + 1.3 * inwards * seen, start.y + 0.9 * seen, name, color=colour, fontsize=9,
-                  fontweight="bold", ha="left" if inwards > 0.0 else "right", va="bottom", zorder=12,
-                  path_effects=halo())
+        _name(axes, start, seen, name, colour, box)
+
+
+def _name(axes: Axes, start: Pose, seen: float, name: str, colour: str, box: Box) -> None:
+    """The robot's name beside its start, towards the middle of the map, in the first corner that is free."""
+    inwards = -1.0 if start.x > 0.5 * (box[0] + box[2]) else 1.0
+    span = max(box[2] - box[0], box[3] - box[1])
+    taken = [text.get_position() for text in axes.texts]
+    corners = [(inwards, 1.0), (inwards, -1.0), (-inwards, 1.0), (-inwards, -1.0)]
+    for aside, up in corners:
+        x, y = start.x + 1.3 * aside * seen, start.y + up * (0.9 * seen + 0.008 * span)
+        if all(abs(x - other[0]) > 0.08 * span or abs(y - other[1]) > 0.018 * span for other in taken):
+            break
+    axes.text(x, y, name, color=colour, fontsize=9, fontweight="bold", ha="left" if aside > 0.0 else "right",
+              va="center", zorder=12, path_effects=halo())
 
 
 def draw_windows(axes: Axes, fleet: FleetSchedule) -> None:

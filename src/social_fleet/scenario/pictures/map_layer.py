@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Affine2D
 
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.scenario.pictures.style import FAINT, FREE, INK, UNKNOWN, WALL, halo
+from social_fleet.scenario.pictures.colours import FAINT, FREE, INK, UNKNOWN, WALL
+from social_fleet.scenario.pictures.style import halo
 
 Box = Tuple[float, float, float, float]  # x from, y from, x to, y to [m, map frame]
 

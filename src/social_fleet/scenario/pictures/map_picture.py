@@ -9,9 +9,12 @@ from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.files import PathLike
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario.pictures import fleet_layer
+from social_fleet.scenario.pictures.colours import INK, robot_colours
 from social_fleet.scenario.pictures.map_layer import Box, content_box, draw_map
-from social_fleet.scenario.pictures.style import INK, add_axes, new_figure, robot_colours, save_figure
+from social_fleet.scenario.pictures.style import add_axes, new_figure, save_figure
 from social_fleet.scenario.recording import Recording
+
+DASHES = (0, (3, 4))  # what was driven lets the path's colour through
 
 
 def map_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, *, title: str = "",
@@ -21,7 +24,7 @@ def map_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, *, ti
     Parameters
     ----------
     recording
-        What was driven, drawn as a thin dark line over each path.
+        What was driven, drawn as a thin dashed line over each path.
 
     Raises
     ------
@@ -51,6 +54,7 @@ def draw_fleet(axes: Axes, grid: OccupancyGrid, fleet: FleetSchedule, box: Box, 
     extra = []
     if recording is not None:
         for index in range(len(recording.names)):
-            axes.plot(recording.poses[:, index, 0], recording.poses[:, index, 1], color=INK, linewidth=0.7, zorder=8)
-        extra.append(Line2D([], [], color=INK, linewidth=0.8, label="driven"))
+            axes.plot(recording.poses[:, index, 0], recording.poses[:, index, 1], color=INK, linewidth=0.6,
+                      linestyle=DASHES, zorder=8)
+        extra.append(Line2D([], [], color=INK, linewidth=0.7, linestyle=DASHES, label="driven"))
     fleet_layer.draw_footer(axes, box, fleet_layer.legend_entries([window.kind for window in fleet.windows], extra))

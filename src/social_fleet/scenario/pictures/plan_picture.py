@@ -9,8 +9,9 @@ from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.plan import Plan
 from social_fleet.scenario.pictures import fleet_layer
+from social_fleet.scenario.pictures.colours import INK, PALETTE
 from social_fleet.scenario.pictures.map_layer import content_box, draw_map
-from social_fleet.scenario.pictures.style import INK, PALETTE, add_axes, new_figure, save_figure
+from social_fleet.scenario.pictures.style import add_axes, new_figure, save_figure
 
 Task = Tuple[Sequence[float], Sequence[float], Optional[Plan]]  # start, goal, and the plan where there is one
 MOST_ENDS = 12  # tasks whose ends are drawn

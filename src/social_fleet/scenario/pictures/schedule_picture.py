@@ -3,11 +3,12 @@
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.files import PathLike
 from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.scenario.pictures.colours import INK
 from social_fleet.scenario.pictures.fleet_layer import map_inches, path_points
 from social_fleet.scenario.pictures.map_layer import content_box
 from social_fleet.scenario.pictures.map_picture import draw_fleet
 from social_fleet.scenario.pictures.space_time import draw_sheet, sheet_height
-from social_fleet.scenario.pictures.style import INK, add_axes, new_figure, save_figure
+from social_fleet.scenario.pictures.style import add_axes, new_figure, save_figure
 
 LONG = 2.2  # maps wider than this, in heights, stand above the diagram
 HEADING = 0.6  # [inch]

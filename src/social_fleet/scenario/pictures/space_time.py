@@ -10,8 +10,8 @@ from matplotlib.patches import Patch
 
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.files import PathLike
-from social_fleet.scenario.pictures.style import (FAINT, INK, KIND_COLOURS, KIND_LABELS, add_axes, halo,
-                                                  inches, new_figure, robot_colours, save_figure)
+from social_fleet.scenario.pictures.colours import FAINT, INK, KIND_COLOURS, KIND_LABELS, robot_colours
+from social_fleet.scenario.pictures.style import add_axes, halo, inches, new_figure, save_figure
 from social_fleet.scenario.pictures.timeline import Delay, Progress, delays, driven_arcs, occupancies, when
 from social_fleet.scenario.recording import Recording
 
@@ -26,7 +26,7 @@ def space_time_picture(fleet: FleetSchedule, path: PathLike, *, title: str = "",
     Parameters
     ----------
     recording
-        What was driven, drawn as thin dark lines.
+        What was driven, drawn as dashed lines that show where it differs from the schedule.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def draw_sheet(figure: Figure, fleet: FleetSchedule, left: float, width: float,
     rows = encounter_height(fleet)
     floor = 0.65
     if rows:
-        draw_encounters(add_axes(figure, left, floor, width, rows), fleet)
+        draw_encounters(add_axes(figure, left, floor, width, rows), fleet, horizon(fleet, driven))
         floor += rows + 1.0
     axes = add_axes(figure, left, floor, width, (ceiling or figure.get_figheight()) - floor - 0.55)
     draw_progress(axes, fleet, driven)
@@ -72,15 +72,16 @@ def draw_progress(axes: Axes, fleet: FleetSchedule,
                       solid_capstyle="butt")
     for _, _, delay in sorted(held, reverse=True, key=lambda item: item[:2])[:MOST_WORDS]:
         _explain(axes, fleet, delay, colours)
-    for times, arcs in (driven or {}).values():
-        axes.plot(times, arcs, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=7)
-    _dress(axes, fleet)
+    for name, (times, arcs) in (driven or {}).items():
+        axes.plot(times, arcs, color=colours[name], linewidth=1.5, linestyle=(0, (4, 2)), zorder=4)
+    _dress(axes, fleet, horizon(fleet, driven))
     _label_ends(axes, fleet, colours)
     entries: List[Line2D] = []
     if held:
-        entries.append(Line2D([], [], color=FAINT, linewidth=8, alpha=0.45, label="waits, or drives slower than it could"))
+        entries.append(Line2D([], [], color=FAINT, linewidth=8, alpha=0.45, label="held up: waits, or drives slower"))
     if driven:
-        entries.append(Line2D([], [], color=INK, linewidth=0.8, linestyle=(0, (4, 2)), label="driven"))
+        entries.append(Line2D([], [], color=FAINT, linewidth=1.5, linestyle=(0, (4, 2)),
+                              label="driven, where it differs"))
     if entries:
         axes.legend(handles=entries, loc="upper left", fontsize=8, frameon=False)
 
@@ -89,7 +90,7 @@ def _explain(axes: Axes, fleet: FleetSchedule, delay: Delay, colours: Dict[str, 
     """Words at a delay, and at a wait an arrow to its end from the moment at which the other robot has moved on."""
     text = f"waits {delay.seconds:.0f} s" if delay.standing else f"slowed by {delay.seconds:.0f} s"
     if delay.reason is not None:
-        text += f" {'for' if delay.standing else 'behind'} {delay.reason.other}"
+        text += f" for {delay.reason.other}"
     if delay.reason is not None and delay.standing:
         moment = when(fleet[delay.reason.other], delay.reason.other_at)
         axes.annotate("", delay.end, (moment, delay.reason.other_at), zorder=6,
@@ -114,8 +115,13 @@ def _label_ends(axes: Axes, fleet: FleetSchedule, colours: Dict[str, str]) -> No
                       va="center", fontsize=8.5, fontweight="bold", color=colour, annotation_clip=False)
 
 
-def _dress(axes: Axes, fleet: FleetSchedule) -> None:
-    axes.set_xlim(0.0, 1.01 * fleet.makespan)
+def horizon(fleet: FleetSchedule, driven: Optional[Dict[str, Progress]]) -> float:
+    """Where the time axis ends [s]: when all have arrived, by schedule and in fact."""
+    return 1.01 * max([fleet.makespan, *(float(times[-1]) for times, _ in (driven or {}).values())])
+
+
+def _dress(axes: Axes, fleet: FleetSchedule, end: float) -> None:
+    axes.set_xlim(0.0, end)
     axes.set_ylim(0.0, 1.08 * max(schedule.robot.path.length for schedule in fleet.schedules))
     axes.set_ylabel("driven along its own path [m]", fontsize=9, color=INK)
     axes.set_xlabel("time [s]", fontsize=9, color=INK, x=1.0, ha="right")
@@ -129,7 +135,7 @@ def encounter_height(fleet: FleetSchedule) -> float:
     return 0.28 * rows + 0.3 if rows else 0.0
 
 
-def draw_encounters(axes: Axes, fleet: FleetSchedule) -> None:
+def draw_encounters(axes: Axes, fleet: FleetSchedule, end: float) -> None:
     """One row per encounter: a bar while either robot is in it; where only one may be, bars never overlap."""
     rows = _tightest(occupancies(fleet))
     colours = robot_colours([schedule.name for schedule in fleet.schedules])
@@ -141,9 +147,9 @@ def draw_encounters(axes: Axes, fleet: FleetSchedule) -> None:
             axes.barh(row - offset, max(stay.end - stay.begin, 0.004 * fleet.makespan), left=stay.begin, height=height,
                       color=colours[stay.robot], edgecolor="white", linewidth=0.6, zorder=3)
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    axes.set_xlim(0.0, 1.01 * fleet.makespan)
+    axes.set_xlim(0.0, end)
     axes.set_xlabel("time [s]", fontsize=9, color=INK, x=1.0, ha="right")
-    axes.set_title("When each robot is where it could meet another", fontsize=11, color=INK, loc="left", pad=6)
+    axes.set_title("When each robot is to be where it could meet another", fontsize=11, color=INK, loc="left", pad=6)
     _plain_spines(axes)
     axes.set_yticks(range(len(rows)))
     axes.set_yticklabels([f"{first.robot}, then {second.robot}" for _, first, second in rows], fontsize=8, color=INK)

@@ -11,6 +11,7 @@ from social_fleet.scenario.recording import Recording
 Progress = Tuple[np.ndarray, np.ndarray]  # times [s] and arc lengths [m]
 
 SAME_PLACE = 1e-6  # [m]
+AT_THE_EDGE = 0.02  # [m]
 SHORTEST_DELAY = 1.0  # [s]
 JOINED_WITHIN = 2.0  # [s] between two losses that are one delay
 REASON_REACH = 5.0  # [m] between where a robot is held up and the place that it may not pass yet
@@ -123,7 +124,8 @@ def occupancies(fleet: FleetSchedule) -> List[Tuple[str, Occupancy, Occupancy]]:
 
 
 def _occupancy(schedule: Schedule, enter: float, leave: float) -> Occupancy:
-    return Occupancy(schedule.name, when(schedule, enter, last=True), when(schedule, leave), enter, leave)
+    """A robot that waits just outside, to within `AT_THE_EDGE`, is not in."""
+    return Occupancy(schedule.name, when(schedule, enter + AT_THE_EDGE, last=True), when(schedule, leave), enter, leave)
 
 
 def driven_arcs(fleet: FleetSchedule, recording: Recording, step: float = 0.5) -> Dict[str, Progress]:
