@@ -4,7 +4,7 @@
 set -euo pipefail
 
 ROOT=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
-WORKSPACE=$ROOT/.workspace
+WORKSPACE=$ROOT/build  # the one name below a package that rosrun does not search for executables
 NOETIC=/opt/ros/noetic/setup.bash
 
 # Debian's python3 is the one that has ROS, whatever else is on PATH.

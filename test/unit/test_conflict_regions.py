@@ -32,9 +32,9 @@ def crossing(r: Links, s: Links) -> np.ndarray:
 
 def link_gaps(r: Links, s: Links) -> np.ndarray:
     """Distance of all links (R, S) [m]."""
-    gaps = np.minimum(np.minimum(gaps_to_segments(r.tails, s.tails, s.heads), gaps_to_segments(r.heads, s.tails, s.heads)),
-                      np.minimum(gaps_to_segments(s.tails, r.tails, r.heads), gaps_to_segments(s.heads, r.tails, r.heads)).T)
-    return np.where(crossing(r, s), 0.0, gaps)
+    of_r = [gaps_to_segments(ends, s.tails, s.heads) for ends in (r.tails, r.heads)]
+    of_s = [gaps_to_segments(ends, r.tails, r.heads).T for ends in (s.tails, s.heads)]
+    return np.where(crossing(r, s), 0.0, np.minimum.reduce(of_r + of_s))
 
 
 def regions(r: Links, s: Links, distance: float) -> List[frozenset]:
@@ -47,7 +47,7 @@ def regions(r: Links, s: Links, distance: float) -> List[frozenset]:
 def expected(r: Links, s: Links, distance: float) -> Tuple[set, np.ndarray]:
     gaps = link_gaps(r, s)
     marks, count = ndimage.label(gaps < distance, structure=np.ones((3, 3)))
-    return {frozenset(zip(*(axis.tolist() for axis in np.nonzero(marks == mark)))) for mark in range(1, count + 1)}, gaps
+    return {frozenset(map(tuple, np.argwhere(marks == mark).tolist())) for mark in range(1, count + 1)}, gaps
 
 
 def test_links_cover_the_path_and_mark_its_ends() -> None:

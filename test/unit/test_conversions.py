@@ -37,7 +37,8 @@ def test_yaw_survives(yaw: float) -> None:
     assert conversions.quaternion_to_yaw(conversions.yaw_to_quaternion(yaw)) == pytest.approx(yaw)
 
 
-@pytest.mark.parametrize("values", [(0, 0, 0, 0), (0, 0, 0, 1.1), (1, 0, 0, 1), (0, 0, math.nan, 1), (0, 0, math.inf, 0)])
+@pytest.mark.parametrize("values", [(0, 0, 0, 0), (0, 0, 0, 1.1), (1, 0, 0, 1), (0, 0, math.nan, 1),
+                                    (0, 0, math.inf, 0)])
 def test_what_is_no_unit_quaternion_is_refused(values: Any) -> None:
     with pytest.raises(InvalidStart, match="start is not a unit quaternion"):
         conversions.quaternion_to_yaw(Quaternion(*values), "start", InvalidStart)

@@ -225,7 +225,7 @@ def test_most_street_fleets_have_a_schedule() -> None:
     [[(0, 0), (9, 0), (1, 0), (8, 0)], [(5, 5), (5, -5), (5, 5), (4, -5)]],
     [[(0, 0), (5, 0), (5, 5), (0, 5), (0, -5)], [(-3, 0), (-1, 0), (-1, -3)]],
     [[(-k, 0), (20 - k, 0)] for k in range(12)]], ids=[
-        "millimetre segments", "repeated points", "doubling back", "shuttling", "over its own start", "twelve in a lane"])
+        "millimetre segments", "repeated points", "doubling back", "shuttling", "over its own start", "lane of twelve"])
 def test_nasty_paths_are_driven_without_touching(paths: list) -> None:
     fleet = coordinate([robot(f"robot_{index:02d}", *path) for index, path in enumerate(paths)])
     assert verify(fleet).min_clearance >= KEPT

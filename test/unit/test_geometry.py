@@ -72,7 +72,7 @@ def test_projection_against_dense_sampling() -> None:
         low, high = np.sort(rng.uniform(0.0, path.length, 2))
         samples = np.linspace(low, high, 4001)
         best = np.hypot(*(path.position(samples) - point).T).min()
-        arc = path.project(point, low, high)
+        arc = path.project(tuple(point), low, high)
         assert low <= arc <= high
         assert np.hypot(*(path.position(arc) - point)) <= best + 1e-9
 

@@ -92,4 +92,4 @@ def test_its_limit_is_kept() -> None:
         assert math.isfinite(fleet.gap)
     except (TimedOut, Infeasible):
         pass
-    assert time.monotonic() - begun < 10.0
+    assert time.monotonic() - begun < 60.0

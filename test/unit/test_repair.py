@@ -80,7 +80,7 @@ def test_where_nothing_helps_the_two_are_named_soon() -> None:
     with pytest.raises(Infeasible) as caught:
         coordinate(pair, replanner=tool)
     assert caught.value.robots == ("left", "right")
-    assert time.monotonic() - begun < 10.0
+    assert time.monotonic() - begun < 60.0
 
 
 def test_a_schedule_under_way_is_not_replanned() -> None:

@@ -89,10 +89,10 @@ def test_random_motions_against_dense_sampling(seed: int) -> None:
     pair = []
     for name in "rs":
         body = robot(name, *random_path(rng, 6, 5.0), radius=rng.uniform(0.2, 0.4))
-        arcs = np.concatenate(([0.0], np.sort(rng.choice([0.0, 0.3, 0.3, 0.7, 1.0], 5)) * body.path.length,
-                               [body.path.length]))
+        arcs = np.append(0.0, np.sort(rng.choice([0.0, 0.3, 0.3, 0.7, 1.0], 6))) * body.path.length
+        arcs[-1] = body.path.length
         pair.append(Schedule(body, arcs, np.cumsum(rng.uniform(0.1, 4.0, len(arcs))) - 3.0))
-    sampled = smallest_distance(*pair, step=0.002)
+    sampled = smallest_distance(pair[0], pair[1], step=0.002)
     fastest = max((np.diff(one.arc_lengths) / np.diff(one.times)).max() for one in pair)
     exact = verify(pair).min_clearance + sum(one.robot.body_radius for one in pair)
     assert exact <= sampled + 1e-9, "nothing is closer than what the judge found"

@@ -14,6 +14,7 @@ from social_fleet.coordination.program import Contradiction, ExactProgram, Solut
 from social_fleet.coordination.repair import Repairs, Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
+from social_fleet.coordination.solvers import find_solver
 from social_fleet.coordination.timing import Timing, nominal_timing
 from social_fleet.errors import Infeasible, InvalidScenario
 
@@ -64,11 +65,14 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     ------
     InvalidScenario
         Two robots of one name, touching starts or goals, or a parameter out of range.
+    InvalidParameter
+        No such solver.
     Infeasible
         No schedule on these paths; the message names the robots and why.
     TimedOut, SolverFailed
     """
     _check(robots, fixed, mode, formulation, time_margin, tracking_tolerance, time_limit)
+    find_solver(solver, time_limit)
     job = _Job(fixed, time_margin, tracking_tolerance, time.monotonic() + time_limit, solver, replanner, repairs,
                version)
     if formulation == "paper":

@@ -7,6 +7,7 @@ Windows enter when a solution breaks them. Until none is broken, a quick search 
 optimum. Derivation: doc/coordination.md.
 """
 
+import logging
 import math
 import time
 from dataclasses import dataclass
@@ -20,6 +21,8 @@ from social_fleet.coordination.group_program import GroupProgram
 from social_fleet.coordination.order_search import OrderSearch
 from social_fleet.coordination.solvers import solve
 from social_fleet.errors import SolverFailed, TimedOut
+
+log = logging.getLogger(__name__)
 
 _SLACK = 1e-6  # rounding that a wait may be missed by [s]
 _AFTER = 1e-7  # from reaching an arc length to leaving it, so that who waits there has already cleared up to it [s]
@@ -96,22 +99,36 @@ class ExactProgram:
             if waits == (None, None):
                 raise Contradiction([window])
         added: List[int] = []
+        best: Optional[Solution] = None
         rounds = 0
         while True:
             rounds += 1
-            if time.monotonic() > deadline:
-                raise TimedOut(f"no schedule within the time limit after {rounds - 1} rounds; allow more time")
-            groups = [self._group(windows, deadline) for windows in self._grouped(added)]
-            first = {window: side for group in groups for window, side in group.sides.items()}
-            chosen = [self._waits[window][side] for window, side in first.items()]
-            paces = earliest(self.motions, [wait for wait in chosen if wait is not None], self.margin)
-            if paces is None:
-                raise SolverFailed("the solver's orders contradict each other")
-            orders, broken = self._read_orders(paces, first)
+            try:
+                solution, broken, bettered = self._round(added, rounds, deadline)
+            except TimedOut:
+                if best is None:
+                    raise
+                return best
             added += broken
-            if not broken and not any([self._improve(group, deadline) for group in groups]):
-                bound = self._nominal(range(len(self.motions))) + sum(group.bound for group in groups)
-                return Solution(tuple(paces), tuple(orders), self._objective(paces), bound, rounds)
+            if not broken and (best is None or solution.objective < best.objective + _SLACK):
+                best = solution
+            if best is not None and not broken and not bettered:
+                return best
+
+    def _round(self, added: Sequence[int], rounds: int, deadline: float) -> Tuple[Solution, List[int], bool]:
+        """Times for the windows added so far, the windows that they break, and whether better orders are known now."""
+        if time.monotonic() > deadline:
+            raise TimedOut(f"no schedule within the time limit after {rounds - 1} rounds; allow more time")
+        groups = [self._group(windows, deadline) for windows in self._grouped(added)]
+        first = {window: side for group in groups for window, side in group.sides.items()}
+        chosen = [self._waits[window][side] for window, side in first.items()]
+        paces = earliest(self.motions, [wait for wait in chosen if wait is not None], self.margin)
+        if paces is None:
+            raise SolverFailed("the solver's orders contradict each other")
+        orders, broken = self._read_orders(paces, first)
+        bettered = not broken and any([self._improve(group, deadline) for group in groups])
+        bound = self._nominal(range(len(self.motions))) + sum(group.bound for group in groups)
+        return Solution(tuple(paces), tuple(orders), self._objective(paces), bound, rounds), broken, bettered
 
     def _wait(self, order: Order) -> Optional[Wait]:
         if not order.possible:
@@ -190,6 +207,9 @@ class ExactProgram:
         except TimedOut:
             if not known:
                 raise
+            return False
+        if bound is None and known:
+            log.warning("the solver calls a program infeasible whose solution is known; its optimum stays unproven")
             return False
         if bound is None:
             raise Contradiction(self._smallest_contradiction(list(windows), group.robots, deadline))

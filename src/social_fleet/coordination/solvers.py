@@ -95,7 +95,7 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
     SolverFailed, InvalidParameter
         When the solver broke down, or is not there.
     """
-    engine = _engine(solver, time_limit)
+    engine = find_solver(solver, time_limit)
     status = program.solve(engine)
     if status == pulp.LpStatusInfeasible:
         return None
@@ -110,7 +110,8 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
     return pulp.value(program.objective) if proven else -math.inf
 
 
-def _engine(solver: Optional[str], time_limit: float) -> pulp.LpSolver:
+def find_solver(solver: Optional[str], time_limit: float) -> pulp.LpSolver:
+    """The solver of that name, see `solve`, or the best that is there; InvalidParameter when it is not."""
     if solver in (None, "highs") and milp is not None:
         return ScipyHighs(time_limit)
     if solver in (None, "cbc"):

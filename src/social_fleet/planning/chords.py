@@ -152,13 +152,13 @@ def turn_at(points: np.ndarray, i: int, j: int, k: int) -> float:
 
 @njit(cache=True)
 def pull(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray, paid: np.ndarray,
-         candidates: np.ndarray, bound: float, vertex_cost: float, turn_cost: float, reach: float,
-         patience: int) -> np.ndarray:
+         candidates: np.ndarray, bound: float, vertex_cost: float, turn_cost: float, reach: float, patience: int,
+         narrow: Ground, narrow_reach: float) -> np.ndarray:
     """A cheap and calm chain of chords over `candidates` (indices into `points`, first and last included).
 
     Every chord costs `vertex_cost` [m] and `turn_cost` [m/rad] of its turn beside its own cost. It spans at most
-    `reach` [m], and the search from one candidate gives up after `patience` failures in a row. Where no chord fits,
-    the path's own points stay.
+    `reach` [m], and the search from one candidate gives up after `patience` failures in a row. Chords of up to
+    `narrow_reach` [m] need to fit on `narrow` only. Where no chord fits, the path's own points stay.
     """
     count = len(candidates)
     best = np.full(count, np.inf)
@@ -181,7 +181,8 @@ def pull(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray, 
             # Even a straight line cannot improve on what is known.
             if base + span >= best[b]:
                 continue
-            cost = base + chord(ground, prices, points, nodes, paid, i, j, bound)
+            where = narrow if span <= narrow_reach else ground
+            cost = base + chord(where, prices, points, nodes, paid, i, j, bound)
             if not cost < np.inf:
                 failures += 1
                 if failures >= patience:

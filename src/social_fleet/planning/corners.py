@@ -30,7 +30,7 @@ def _gap(a: np.ndarray, b: np.ndarray) -> float:
 
 @njit(cache=True)
 def merge_bends(ground: Ground, vertices: np.ndarray, longest: float) -> np.ndarray:
-    """Replaces a side shorter than `longest` between two turns of the same sense by the point where its neighbours meet."""
+    """Every side shorter than `longest` between two turns of one sense gives way to where its neighbours meet."""
     points = vertices.copy()
     count = len(points)
     v = 1
@@ -101,10 +101,11 @@ def _tangents(points: np.ndarray, radius: float) -> Tuple[np.ndarray, np.ndarray
 
 
 @njit(cache=True)
-def round_corners(ground: Ground, points: np.ndarray, radius: float, smallest: float, longest: float) -> np.ndarray:
+def round_corners(ground: Ground, narrow: Ground, points: np.ndarray, radius: float, smallest: float,
+                  longest: float) -> np.ndarray:
     """The path with its corners replaced by arcs of up to `radius`, sampled at most `longest` apart.
 
-    A corner stays sharp where an arc of `smallest` has no room.
+    A corner stays sharp where an arc of `smallest` has no room, neither on `ground` nor on `narrow`.
     """
     count = len(points)
     turns, tangents = _tangents(points, radius)
@@ -115,16 +116,17 @@ def round_corners(ground: Ground, points: np.ndarray, radius: float, smallest: f
     rounded[0] = points[0]
     top = 1
     for v in range(1, count - 1):
-        tangent = tangents[v]
         half = math.tan(0.5 * min(abs(turns[v]), 3.0))
         placed = False
-        while not placed and tangent > 0.0 and tangent >= smallest * half:
-            arc = _arc(points[v - 1], points[v], points[v + 1], tangent, longest)
-            if _fits(ground, arc):
-                rounded[top:top + len(arc)] = arc
-                top += len(arc)
-                placed = True
-            tangent *= SHRINK
+        for where in (ground, narrow):
+            tangent = tangents[v]
+            while not placed and tangent > 0.0 and tangent >= smallest * half:
+                arc = _arc(points[v - 1], points[v], points[v + 1], tangent, longest)
+                if _fits(where, arc):
+                    rounded[top:top + len(arc)] = arc
+                    top += len(arc)
+                    placed = True
+                tangent *= SHRINK
         if not placed:
             rounded[top] = points[v]
             top += 1

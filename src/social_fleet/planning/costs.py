@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from social_fleet.errors import InvalidParameter
 from social_fleet.mapping.walls import HEADINGS, wall_distances
 from social_fleet.planning.lattice import SQRT2, Lattice, Links, neighbour
 from social_fleet.planning.norms import Norm
@@ -76,11 +77,18 @@ def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: fl
     (N, 8) float32 array
         Social cost [m] of the edge that leaves a node in a heading, infinite where there is no such edge. The
         line integral is by trapezoids; the drift counts as in `HeadingCost`.
+
+    Raises
+    ------
+    InvalidParameter
+        When the norm yields a rate that is negative or not finite.
     """
     walls = walls_beside(blocked, lattice.resolution, limit=norm.reach, stretch=stretch)
     walls = walls[:, lattice.row, lattice.col]
     costs = [norm.heading_cost(walls, heading) for heading in range(8)]
     rates = np.stack([np.asarray(cost.rate, dtype=np.float32) for cost in costs])
+    if not np.isfinite(rates).all() or (rates < 0.0).any():
+        raise InvalidParameter(f"{type(norm).__name__} yields a rate that is negative or not finite", field="norm")
     _forbid_tacking(rates)
     social = np.empty((len(lattice), 8), dtype=np.float32)
     for heading, cost in enumerate(costs):

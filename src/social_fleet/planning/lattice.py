@@ -79,6 +79,10 @@ class Lattice:
         """(row, column) of `nodes`, shape (M, 2)."""
         return np.column_stack([self.row[nodes], self.col[nodes]])
 
+    def centres(self, nodes: np.ndarray) -> np.ndarray:
+        """Centres (x, y) of the cells of `nodes` in cells along the grid's axes, shape (M, 2)."""
+        return np.column_stack([self.col[nodes], self.row[nodes]]) + 0.5
+
     @property
     def largest_component(self) -> np.ndarray:
         """Nodes of the largest component, ascending; none on a map without free cells."""

@@ -6,12 +6,14 @@ A norm is a small class. The search knows nothing of it: `edge_costs` turns what
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Callable, Dict
 
 import numpy as np
 
 from social_fleet.planning.config import PlannerConfig
 
 PASSING_GAP = 0.2  # [m] between two robots that pass each other
+WALL_GAP = 0.05  # [m] between a robot and the wall that it keeps to, at least
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,12 @@ class NoNorm(Norm):
 
 
 class KeepSide(Norm):
-    """Keep to one side: follow its wall at `standoff`, don't drift, and leave a buffer in open areas.
+    """Keep to one side: follow its wall at the standoff, don't drift, and leave room for oncoming traffic.
 
-    In a corridor that is too narrow for two lanes the lane moves to the middle, and drifting costs nothing.
+    Where the wall is an open area away, C_right is that distance, falling to nothing where the wall on the other side
+    is as far and none guides. C_buf is the room missing beside the far wall there, and in corridors the reach beyond
+    the robot's own half. In a narrow corridor the lane moves to the wall as two robots need it to pass; in one that is
+    too narrow for two it moves to the middle, and drifting costs nothing.
 
     References
     ----------
@@ -84,6 +89,7 @@ class KeepSide(Norm):
     def __init__(self, config: PlannerConfig) -> None:
         self._config = config
         self._towards = -2 if config.side == "right" else 2
+        self._passing = 2.0 * config.robot_radius + PASSING_GAP  # [m] from centre to centre
 
     @property
     def reach(self) -> float:
@@ -96,20 +102,21 @@ class KeepSide(Norm):
         config = self._config
         near = walls[(heading + self._towards) % 8]
         far = walls[(heading - self._towards) % 8]
-        two_lanes = self._two_lanes(near + far)
-        lane = two_lanes * config.lane_standoff + (1.0 - two_lanes) * 0.5 * (near + far)
         width = near + far
-        open_near = near > config.open_area
-        astray = np.where(open_near, min(config.open_area,float(__import__('os').environ.get('CAP2','99'))) * self._guided(far), np.minimum(np.abs(near - lane),float(__import__('os').environ.get('CAP','99'))))
-        buffer = np.where(open_near, np.maximum(config.buffer_distance - far, 0.0),
-                          two_lanes * self._narrow(width) * self._oncoming(near, far))
-        rate = config.w_right * astray + config.w_buf * buffer
+        two_lanes = self._two_lanes(width)
+        half = np.maximum(0.5 * (width - self._passing), config.robot_radius + WALL_GAP)  # where both have equal room
+        lane = two_lanes * np.minimum(config.lane_standoff, half) + (1.0 - two_lanes) * 0.5 * width
+        opening = near > config.open_area
+        astray = np.where(opening, config.open_area * self._guided(far),
+                          np.minimum(np.abs(near - lane), config.lane_pull))
+        shortfall = np.where(opening, np.maximum(config.buffer_distance - far, 0.0),
+                             two_lanes * self._narrow(width) * self._intrusion(near, np.maximum(half, lane)))
+        rate = config.w_right * astray + config.w_buf * shortfall
         return HeadingCost(rate.astype(np.float32), near, (config.w_const * two_lanes).astype(np.float32))
 
-    def _oncoming(self, near: np.ndarray, far: np.ndarray) -> np.ndarray:
-        """How far [m] the robot's half of the passing distance reaches over the middle, at most all of it."""
-        passing = 2.0 * self._config.robot_radius + PASSING_GAP
-        return 0.5 * np.clip(near - far + passing, 0.0, 2.0 * passing)
+    def _intrusion(self, near: np.ndarray, half: np.ndarray) -> np.ndarray:
+        """How far [m] the robot is beyond its own half, where it would leave others too little room to pass."""
+        return np.clip(near - half, 0.0, self._passing)
 
     def _narrow(self, width: np.ndarray) -> np.ndarray:
         """1 in corridors of up to twice the width of two lanes, falling to 0 at four times."""
@@ -126,6 +133,14 @@ class KeepSide(Norm):
         return share * share * (3.0 - 2.0 * share)
 
 
+# The norm that each value of `PlannerConfig.side` asks for.
+NORMS: Dict[str, Callable[[PlannerConfig], Norm]] = {
+    "right": KeepSide,
+    "left": KeepSide,
+    "none": lambda config: NoNorm(),
+}
+
+
 def norm_of(config: PlannerConfig) -> Norm:
     """The norm that a configuration asks for."""
-    return NoNorm() if config.side == "none" else KeepSide(config)
+    return NORMS[config.side](config)

@@ -1,4 +1,4 @@
-"""The social planner: validates poses, searches, smooths, and returns a plan."""
+"""The social planner: from two poses to the path that is driven between them."""
 
 import threading
 import time
@@ -6,26 +6,30 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.errors import InvalidGoal, InvalidParameter, InvalidStart, NoPath
+from social_fleet.errors import InvalidParameter, NoPath
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning.chords import Ground, Prices, is_free
+from social_fleet.planning.baselines.rrt_star import PATIENCE, rrt_star
+from social_fleet.planning.chords import Ground, Prices
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.costs import edge_costs
+from social_fleet.planning.ends import checked_position, joined, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.norms import Norm, norm_of
 from social_fleet.planning.overlay import Disc, covered_nodes, local_discs
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.search import Search, SearchResult
-from social_fleet.planning.smoothing import smooth
+from social_fleet.planning.smoothing import rounded, smooth
 from social_fleet.planning.social_graph import SocialGraph
 
 PLANNERS = ("social", "shortest", "rrt_star")
-JOIN_REACH = 3  # [cells] how far from a pose its path may join the lattice
+RRT_SAMPLES = 8000
+RRT_STEP = 3.0  # [m]
+RRT_SEED = 0
 
 
 class SocialPlanner:
-    """Plans paths of one robot on one map.
+    """Plans paths of one robot on one map. Safe to use from several threads.
 
     Parameters
     ----------
@@ -38,6 +42,13 @@ class SocialPlanner:
     norm : Norm, optional
         What to charge; by default what `config.side` says.
 
+    Attributes
+    ----------
+    space : ConfigurationSpace
+        Where the robot fits.
+    lattice : Lattice
+        The graph that is searched.
+
     Raises
     ------
     InvalidGraph
@@ -49,11 +60,11 @@ class SocialPlanner:
         self.grid = grid
         self.config = config
         self.space = ConfigurationSpace(grid, config.robot_radius)
-        self.lattice = Lattice(self.space)
-        social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
-        self._search = Search(self.lattice, social, exemption_radius=config.exemption_radius,
+        self._way = ConfigurationSpace(grid, config.robot_radius + config.wall_margin)
+        self.lattice = Lattice(self._way)
+        self._social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
+        self._search = Search(self.lattice, self._social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
-        self._social = social
         self._lock = threading.Lock()
         self._graph: Optional[SocialGraph] = None
         self._graph_edges: Optional[np.ndarray] = None
@@ -89,6 +100,7 @@ class SocialPlanner:
         Returns
         -------
         Plan
+            Its costs are Eq. 2 along its cells, or Eq. 4 for ``social`` with a graph.
 
         Raises
         ------
@@ -102,99 +114,81 @@ class SocialPlanner:
         if planner not in PLANNERS:
             raise InvalidParameter(f"must be one of {', '.join(PLANNERS)}, not {planner!r}", field="planner")
         began = time.perf_counter()
-        ends = (self._checked(start, "start", avoid), self._checked(goal, "goal", avoid))
+        ends = (checked_position(self.space, start, "start", avoid), checked_position(self.space, goal, "goal", avoid))
+        discs = local_discs(self.grid, avoid)
         with self._lock:
-            discs = local_discs(self.grid, avoid)
-            closed = covered_nodes(self.lattice.node, discs)
-            joins = self._joined(ends, discs, closed, (start, goal))
-            result = self._searched(joins, planner, closed)
-            if result is None:
-                raise self._no_path(start, goal, avoid)
-            points = self._smoothed(ends, result, planner, discs)
-            graph = self._graph_edges if planner == "social" else None
-            length, social = self._search.evaluate(result.nodes, result.headings, graph).sum(axis=1)
-        points = self.grid.from_local(points * self.grid.resolution)
+            found = self._route(planner, ends, discs)
+            if found is None:
+                raise self._no_path(start, goal, avoid, planner)
+            vertices, result, graph = found
+            costs = self._search.evaluate(result.nodes, result.headings, graph)
+        points = self.grid.from_local(vertices * self.grid.resolution)
         points[0], points[-1] = start[:2], goal[:2]
-        return Plan(points=points, length=float(np.hypot(*np.diff(points, axis=0).T).sum()), social_cost=float(social),
-                    cost=float(length + social), expanded=result.expanded, search_time=time.perf_counter() - began,
-                    planner=planner, robot_radius=self.config.robot_radius, cells=self.lattice.cells(result.nodes),
-                    start_yaw=float(start[2]) if len(start) > 2 else None,
-                    goal_yaw=float(goal[2]) if len(goal) > 2 else None)
+        return Plan(points=points, length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
+                    social_cost=float(costs[1].sum()), cost=float(costs.sum()), expanded=result.expanded,
+                    search_time=time.perf_counter() - began, planner=planner, robot_radius=self.config.robot_radius,
+                    cells=self.lattice.cells(result.nodes), start_yaw=_yaw(start), goal_yaw=_yaw(goal))
 
-    def _checked(self, pose: Sequence[float], what: str, avoid: Sequence[Disc]) -> np.ndarray:
-        """The pose's position in cells along the grid's axes."""
-        error = InvalidStart if what == "start" else InvalidGoal
-        if len(pose) not in (2, 3):
-            raise error(f"must be (x, y) or (x, y, yaw), not {len(pose)} numbers", field=what)
-        if not np.isfinite(np.asarray(pose, dtype=float)).all():
-            raise error(f"must be finite, not {tuple(pose)}", field=what)
-        self.space.check_pose(float(pose[0]), float(pose[1]), what)
-        for disc in avoid:
-            if disc.holds(pose[0], pose[1]):
-                raise error(f"({pose[0]:.2f}, {pose[1]:.2f}) lies within {disc.radius:.2f} m of "
-                            f"({disc.x:.2f}, {disc.y:.2f}), which the path must avoid", field=what)
-        return self.grid.to_local([pose[:2]])[0] / self.grid.resolution
+    def _route(self, planner: str, ends: Tuple[np.ndarray, np.ndarray],
+               discs: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, Optional[np.ndarray]]]:
+        """The driven vertices in cells, the searched path, and the graph that it was searched with; None: no path."""
+        ground = Ground(self.grid.blocked, self.space.clearance, self.grid.resolution, fitting_radius(self._way),
+                        discs)
+        closed = covered_nodes(self.lattice.node, discs)
+        joins = joined(self.lattice, ground._replace(radius=fitting_radius(self.space)), ends, closed)
+        if not joins:
+            return None
+        if planner == "rrt_star":
+            return self._sampled(ground, ends, joins[0], closed)
+        graph = self._graph_edges if planner == "social" else None
+        if planner == "social":
+            result = self._search.cheapest(*joins[0], graph=graph, closed=closed)
+        else:
+            result = self._search.shortest(*joins[0], closed=closed)
+        if result is None:
+            return None
+        return self._smoothed(ground, ends, result, social=planner == "social"), result, graph
 
-    def _ground(self, discs: np.ndarray) -> Ground:
-        return Ground(self.grid.blocked, self.space.clearance, self.grid.resolution, fitting_radius(self.space), discs)
-
-    def _joined(self, ends: Tuple[np.ndarray, np.ndarray], discs: np.ndarray, closed: np.ndarray,
-                poses: Sequence[Sequence[float]]) -> Tuple[int, int]:
-        """Nodes where the path leaves the start and reaches the goal: the nearest pair in one component."""
-        ground = self._ground(discs)
-        near = [self._reachable(end, ground, closed) for end in ends]
-        component = self.lattice.component
-        for start in near[0]:
-            for goal in near[1]:
-                if component[start] == component[goal]:
-                    return int(start), int(goal)
-        raise self._no_path(poses[0], poses[1], ())
-
-    def _reachable(self, point: np.ndarray, ground: Ground, closed: np.ndarray) -> np.ndarray:
-        """Nodes that the robot reaches from `point` in a straight line, nearest first; the own cell's alone if it is."""
-        node = self.lattice.node
-        row, col = int(np.floor(point[1] + 1e-9)), int(np.floor(point[0] + 1e-9))
-        offsets = np.arange(-JOIN_REACH, JOIN_REACH + 1)
-        rows, cols = (axis.ravel() for axis in np.meshgrid(row + offsets, col + offsets, indexing="ij"))
-        inside = (rows >= 0) & (rows < node.shape[0]) & (cols >= 0) & (cols < node.shape[1])
-        rows, cols = rows[inside], cols[inside]
-        distances = np.hypot(cols + 0.5 - point[0], rows + 0.5 - point[1])
-        found = []
-        for index in np.argsort(distances, kind="stable"):
-            candidate = node[rows[index], cols[index]]
-            if candidate < 0 or candidate in closed:
-                continue
-            if is_free(ground, point[0], point[1], cols[index] + 0.5, rows[index] + 0.5):
-                found.append(candidate)
-                if rows[index] == row and cols[index] == col:
-                    break
-        return np.array(found, dtype=np.int64)
-
-    def _searched(self, joins: Tuple[int, int], planner: str, closed: np.ndarray) -> Optional[SearchResult]:
-        if planner == "shortest":
-            return self._search.shortest(*joins, closed=closed)
-        return self._search.cheapest(*joins, graph=self._graph_edges, closed=closed)
-
-    def _smoothed(self, ends: Tuple[np.ndarray, np.ndarray], result: SearchResult, planner: str,
-                  discs: np.ndarray) -> np.ndarray:
+    def _smoothed(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], result: SearchResult, *,
+                  social: bool) -> np.ndarray:
         """The driven path in cells along the grid's axes."""
-        lattice = self.lattice
         nodes = np.concatenate([result.nodes[:1], result.nodes, result.nodes[-1:]])
-        centres = np.column_stack([lattice.col[result.nodes], lattice.row[result.nodes]]) + 0.5
-        points = np.vstack([ends[0], centres, ends[1]])
+        points = np.vstack([ends[0], self.lattice.centres(result.nodes), ends[1]])
         parts = self._search.evaluate(result.nodes, result.headings)
-        paid = np.concatenate([[0.0], np.cumsum(parts.sum(axis=0) if planner == "social" else parts[0])])
-        joints = np.hypot(*(points[[0, -1]] - points[[1, -2]]).T) * lattice.resolution
-        paid = np.concatenate([[0.0], paid + joints[0], [paid[-1] + joints.sum()]])
-        exempt = lattice.cells(result.nodes[[0, -1]])
-        prices = Prices(lattice.links, self._social, exempt,
-                        (self.config.exemption_radius / lattice.resolution) ** 2)
-        return smooth(points, nodes, paid, self._ground(discs), prices,
-                      bound=self.config.smoothing_bound if planner == "social" else -1.0,
-                      corner_radius=self.config.corner_radius)
+        steps = parts.sum(axis=0) if social else parts[0]
+        joints = np.hypot(*(points[[0, -1]] - points[[1, -2]]).T) * self.grid.resolution
+        paid = np.cumsum(np.concatenate([[0.0], joints[:1], steps, joints[1:]]))
+        exempt = self.lattice.cells(result.nodes[[0, -1]])
+        prices = Prices(self.lattice.links, self._social, exempt, self._search.exempt)
+        return smooth(points, nodes, paid, ground, prices, bound=self.config.smoothing_bound if social else -1.0,
+                      corner_radius=self.config.corner_radius, least=fitting_radius(self.space))
 
-    def _no_path(self, start: Sequence[float], goal: Sequence[float], avoid: Sequence[Disc]) -> NoPath:
-        around = f" round {len(avoid)} obstacles" if avoid else ""
-        return NoPath(f"no path for a robot of radius {self.config.robot_radius:g} m from "
-                      f"({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}){around}; "
-                      "every way is blocked or too narrow")
+    def _sampled(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], joins: Tuple[int, int],
+                 closed: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, None]]:
+        """The path of RRT*, and a path over the lattice beside it."""
+        everywhere = self.lattice.centres(np.arange(len(self.lattice)))
+        vertices = rrt_star(ground, everywhere, (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1]),
+                            samples=RRT_SAMPLES, step=RRT_STEP / self.grid.resolution, seed=RRT_SEED)
+        if vertices is None:
+            return None
+        between = [reachable(self.lattice, ground, vertex, closed)[:1] for vertex in vertices[1:-1]]
+        stations = [joins[0]] + [node for nodes in between for node in nodes] + [joins[1]]
+        pieces = [self._search.shortest(a, b, closed=closed) for a, b in zip(stations, stations[1:])]
+        nodes = [joins[:1]] + [piece.nodes[1:] for piece in pieces if piece is not None]
+        headings = np.concatenate([piece.headings for piece in pieces if piece is not None])
+        result = SearchResult(np.concatenate(nodes), headings, float(self.lattice.lengths[headings].sum()), RRT_SAMPLES)
+        points = rounded(ground, vertices, self.config.corner_radius, fitting_radius(self.space))
+        return points, result, None
+
+    def _no_path(self, start: Sequence[float], goal: Sequence[float], avoid: Sequence[Disc], planner: str) -> NoPath:
+        around = f" round {len(avoid)} obstacle{'s' * (len(avoid) > 1)}" if avoid else ""
+        reason = "every way is blocked or too narrow"
+        if planner == "rrt_star":
+            reason += f", or RRT* found none within {PATIENCE * RRT_SAMPLES} samples"
+        return NoPath(f"no path for a robot of radius {self.config.robot_radius:g} m with a margin of "
+                      f"{self.config.wall_margin:g} m to walls from "
+                      f"({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}){around}: {reason}")
+
+
+def _yaw(pose: Sequence[float]) -> Optional[float]:
+    return float(pose[2]) if len(pose) > 2 else None

@@ -7,6 +7,7 @@ import numpy as np
 
 from social_fleet.errors import InvalidInput
 from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.planner import SocialPlanner
 
@@ -21,7 +22,7 @@ def random_pose_pairs(source: Union[SocialPlanner, ConfigurationSpace], count: i
     Parameters
     ----------
     source : SocialPlanner or ConfigurationSpace
-        Where the robot fits.
+        Where the robot fits; of a space, the part that a planner with the default margin to walls reaches.
     count : int
         Number of pairs.
     seed : int
@@ -39,7 +40,7 @@ def random_pose_pairs(source: Union[SocialPlanner, ConfigurationSpace], count: i
     InvalidInput
         When the free space does not hold so many poses so far apart.
     """
-    lattice = source.lattice if isinstance(source, SocialPlanner) else Lattice(source)
+    lattice = source.lattice if isinstance(source, SocialPlanner) else _default_lattice(source)
     grid = source.grid
     nodes = lattice.largest_component
     if len(nodes) < 2:
@@ -52,6 +53,10 @@ def random_pose_pairs(source: Union[SocialPlanner, ConfigurationSpace], count: i
         starts.append(_draw(generator, centres, starts, separation, -1))
         goals.append(_draw(generator, centres, goals, separation, starts[-1]))
     return [(_position(centres[start]), _position(centres[goal])) for start, goal in zip(starts, goals)]
+
+
+def _default_lattice(space: ConfigurationSpace) -> Lattice:
+    return Lattice(ConfigurationSpace(space.grid, space.radius + PlannerConfig.wall_margin))
 
 
 def _draw(generator: np.random.RandomState, centres: np.ndarray, taken: List[int], separation: float,

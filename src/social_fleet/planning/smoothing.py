@@ -5,9 +5,12 @@ over the same edges, stays within a bound; so a lane beside a wall remains a lan
 room allows. See doc/planning.md.
 """
 
+import math
+from typing import List, Tuple
+
 import numpy as np
 
-from social_fleet.planning.chords import Ground, Prices, candidates_of, drop_needless, pull
+from social_fleet.planning.chords import Ground, Prices, candidates_of, drop_needless, pull, turn_at
 from social_fleet.planning.corners import merge_bends, round_corners
 
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
@@ -18,11 +21,14 @@ REACH = 15.0  # [m] of a single chord before the last pass
 PATIENCE = 6
 SMALLEST_RADIUS = 0.1  # [m] of a corner's arc
 ARC_STEP = 0.15  # [m] between vertices on an arc
+SHARP = math.radians(20.0)  # a turn for which a robot stops
+JOG = 0.4  # [m] below which a side beside a sharp turn belongs to a jog
+NARROW_REACH = 1.0  # [m] of a chord that may use up the margin
 SHORT_SIDE = 0.8  # [m] below which two turns of the same sense become one
 
 
 def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Ground, prices: Prices, *,
-           bound: float, corner_radius: float) -> np.ndarray:
+           bound: float, corner_radius: float, least: float) -> np.ndarray:
     """The drivable path along a searched one.
 
     Parameters
@@ -34,27 +40,60 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     paid : (M,) array
         Cost of the path up to every point [m].
     ground, prices
-        Where a robot fits and what edges cost.
+        Where a robot fits with its margin, and what edges cost.
     bound : float
         Share by which a chord may be dearer than what it replaces; negative to look at length alone.
     corner_radius : float
         Largest radius of an arc [m], 0 for none.
+    least : float
+        The robot's radius without margin [cells], for places where the margin leaves only a jog from cell to cell.
 
     Returns
     -------
     (N, 2) array
         Vertices in cells, the first and last those of `points`.
     """
-    if len(points) < 3:
-        return points.copy()
-    cells = 1.0 / ground.resolution
-    candidates = candidates_of(points, STAIRCASE, SPACING * cells)
-    chosen = pull(ground, prices, points, nodes, paid, candidates, bound, VERTEX_COST, TURN_COST, REACH, PATIENCE)
-    # Where no chord fitted, every point of the path becomes a candidate.
-    chosen = pull(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST, REACH, 2 * PATIENCE)
+    chosen = candidates_of(points, STAIRCASE, SPACING / ground.resolution)
+    # Where no chord fits in the first round, every point of the path is a candidate in the second.
+    for patience in (PATIENCE, 2 * PATIENCE):
+        chosen = pull(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST, REACH, patience,
+                      ground, 0.0)
     chosen = drop_needless(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST)
-    vertices = points[chosen]
-    if corner_radius <= 0.0:
+    narrow = ground._replace(radius=least)
+    for first, last in reversed(jogs(points[chosen], JOG / ground.resolution)):
+        window = np.arange(chosen[first], chosen[last] + 1)
+        # So short a stretch is no lane: length alone counts.
+        mended = pull(ground, prices, points, nodes, paid, window, -1.0, VERTEX_COST, TURN_COST, REACH, len(window),
+                      narrow, NARROW_REACH)
+        chosen = np.concatenate([chosen[:first], mended, chosen[last + 1:]])
+    return rounded(ground, points[chosen], corner_radius, least)
+
+
+def jogs(vertices: np.ndarray, longest: float) -> List[Tuple[int, int]]:
+    """First and last vertex of the stretches that hold a turn in place beside a side shorter than `longest`."""
+    sides = np.hypot(*np.diff(vertices, axis=0).T)
+    turns = np.array([turn_at(vertices, v - 1, v, v + 1) for v in range(1, len(vertices) - 1)])
+    sharp = np.flatnonzero((turns > SHARP) & (np.minimum(sides[:-1], sides[1:]) < longest)) + 1
+    stretches: List[Tuple[int, int]] = []
+    for v in sharp:
+        low, high = v - 1, v + 1
+        if stretches and low <= stretches[-1][1]:
+            low = stretches.pop()[0]
+        stretches.append((low, high))
+    return stretches
+
+
+def rounded(ground: Ground, vertices: np.ndarray, corner_radius: float, least: float) -> np.ndarray:
+    """A polyline (M, 2) in cells with short bends merged and corners rounded by up to `corner_radius` [m].
+
+    Where the margin leaves no room for an arc, the radius `least` [cells] does.
+    """
+    distinct = np.concatenate([[True], (np.abs(np.diff(vertices, axis=0)) > 1e-9).any(axis=1)])
+    distinct[-1] = True
+    vertices = np.ascontiguousarray(vertices[distinct])
+    if corner_radius <= 0.0 or len(vertices) < 3:
         return vertices
+    cells = 1.0 / ground.resolution
     vertices = merge_bends(ground, vertices, SHORT_SIDE * cells)
-    return round_corners(ground, vertices, corner_radius * cells, SMALLEST_RADIUS * cells, ARC_STEP * cells)
+    return round_corners(ground, ground._replace(radius=least), vertices, corner_radius * cells,
+                         SMALLEST_RADIUS * cells, ARC_STEP * cells)

@@ -2,14 +2,14 @@
 
 import json
 import os
-import tempfile
 import zipfile
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, Union
+import zlib
+from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple
 
 import numpy as np
 
 from social_fleet.errors import InvalidGraph, InvalidInput
+from social_fleet.files import PathLike, atomic_write
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.heatmaps import Heatmaps
@@ -109,22 +109,20 @@ class SocialGraph:
                            weight=self.resolution * (1.0 if heading % 2 == 0 else 2.0 ** 0.5))
         return graph
 
-    def save(self, path: Union[str, Path]) -> None:
-        """Write the graph to one file, which appears whole or not at all."""
-        path = Path(path)
+    def save(self, path: PathLike) -> None:
+        """Write the graph to one file, which appears whole or not at all.
+
+        Raises
+        ------
+        InvalidInput
+            When the file cannot be created.
+        """
         header = json.dumps({"format": FORMAT, "version": VERSION, "map": self.digest, "resolution": self.resolution})
-        handle, temporary = tempfile.mkstemp(dir=str(path.parent), prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                np.savez_compressed(stream, header=np.array(header), edges=self.edges)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        with atomic_write(path, "wb") as stream:
+            np.savez_compressed(stream, header=np.array(header), edges=self.edges)
 
     @classmethod
-    def load(cls, path: Union[str, Path], *, grid: Optional[OccupancyGrid] = None) -> "SocialGraph":
+    def load(cls, path: PathLike, *, grid: Optional[OccupancyGrid] = None) -> "SocialGraph":
         """Read a graph.
 
         Raises
@@ -132,7 +130,7 @@ class SocialGraph:
         InvalidGraph
             When the file is missing, cut short, none of these, of another version, or (with `grid`) of another map.
         """
-        source = str(path)
+        source = os.fspath(path)
         try:
             with np.load(source, allow_pickle=False) as archive:
                 header = json.loads(str(archive["header"]))
@@ -141,7 +139,7 @@ class SocialGraph:
             digest, resolution = str(header["map"]), float(header["resolution"])
         except OSError as error:
             raise InvalidGraph(f"cannot be read: {error.strerror or error}", source=source) from error
-        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise InvalidGraph("is no social graph, or was cut short; learn it again", source=source) from error
         if known != (FORMAT, VERSION):
             raise InvalidGraph(f"is {known[0]!r} of version {known[1]}, not {FORMAT!r} of version {VERSION}; "

@@ -56,7 +56,7 @@ def quaternion_to_yaw(quaternion: Quaternion, what: str = "pose", refuse: Type[I
     if not abs(norm - 1.0) <= UNIT_TOLERANCE:
         raise refuse(f"the orientation ({x:g}, {y:g}, {z:g}, {w:g}) of the {what} is not a unit quaternion; "
                      "w = 1 is no turn")
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def pose_from_message(message: PoseMessage, what: str = "pose", refuse: Type[InvalidPose] = InvalidPose) -> Pose:

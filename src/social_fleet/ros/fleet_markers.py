@@ -23,6 +23,7 @@ class FleetMarkersParameters:
 
     map_frame: str = "map"
     rate: float = parameter(10.0, above=0.0)  # of the robots' markers [Hz]
+    text_height: float = parameter(2.0, above=0.0)  # of the robots' names [m]
 
 
 class FleetMarkers:
@@ -107,7 +108,7 @@ class FleetMarkers:
             if self._changed:
                 shown += self._lines()
                 self._changed = False
-        if shown and not rospy.is_shutdown():
+        if shown and not rospy.core.is_shutdown_requested():
             self._out.publish(MarkerArray(shown))
 
     def _robot(self, name: str) -> List[Marker]:
@@ -125,7 +126,8 @@ class FleetMarkers:
         elif progress.state == Progress.STOPPED:
             label = f"{name} is stopped"
         return [markers.disc_marker(number, position, radius, self._colour(name), frame, stamp),
-                markers.text_marker("names", number, position, label, frame, stamp)]
+                markers.text_marker("names", number, position, label, self._colour(name), self._config.text_height,
+                                    frame, stamp)]
 
     def _holder(self, schedule: Schedule, progress: Progress) -> Optional[str]:
         """The robot whose progress a standing one waits for."""
@@ -140,7 +142,7 @@ class FleetMarkers:
     def _lines(self) -> List[Marker]:
         """Plans, and the stretches where robots meet."""
         stamp, frame = rospy.Time.now(), self._config.map_frame
-        shown = [markers.line_marker("plans", self._number(name), points, self._colour(name, 0.6), 0.08, frame, stamp)
+        shown = [markers.line_marker("plans", self._number(name), points, self._colour(name, 0.8), 0.15, frame, stamp)
                  for name, points in self._plans.items() if len(points) > 1]
         self._windows = {key: window for key, window in self._windows.items() if self._current(key[0], window)}
         stretches = [stretch for window in self._windows.values() for stretch in (

@@ -45,12 +45,12 @@ def disc_marker(number: int, position: Sequence[float], radius: float, colour: C
     return result
 
 
-def text_marker(namespace: str, number: int, position: Sequence[float], text: str, frame: str,
-                stamp: genpy.Time, *, above: float = 1.0) -> Marker:
-    """Text that faces the viewer, `above` metres over `position`."""
-    result = marker(Marker.TEXT_VIEW_FACING, namespace, number, frame, stamp, colour=ColorRGBA(0.1, 0.1, 0.1, 1.0),
-                    scale=(0.0, 0.0, 0.8), pose=Pose(float(position[0]), float(position[1])))
-    result.pose.position.z = above
+def text_marker(namespace: str, number: int, position: Sequence[float], text: str, colour: ColorRGBA, height: float,
+                frame: str, stamp: genpy.Time) -> Marker:
+    """Text of `height` [m] that faces the viewer, beside `position` seen from above."""
+    result = marker(Marker.TEXT_VIEW_FACING, namespace, number, frame, stamp, colour=colour, scale=(0.0, 0.0, height),
+                    pose=Pose(float(position[0]), float(position[1]) + height))
+    result.pose.position.z = 1.0
     result.text = text
     return result
 
@@ -75,7 +75,7 @@ def window_marker(number: int, kind: str, path: Polyline, enter: float, leave: f
 def graph_marker(graph: SocialGraph, grid: OccupancyGrid, frame: str, stamp: genpy.Time) -> Marker:
     """All edges of a social graph, coloured by heading, from a cell's centre a good half of the way to the next."""
     result = marker(Marker.LINE_LIST, "social_graph", 0, frame, stamp, colour=ColorRGBA(0.0, 0.0, 0.0, 1.0),
-                    scale=(0.3 * grid.resolution, 0.0, 0.0))
+                    scale=(0.6 * grid.resolution, 0.0, 0.0))
     for heading, step in enumerate(HEADINGS):
         cells = np.argwhere(graph.edges & (1 << heading))
         if not len(cells):

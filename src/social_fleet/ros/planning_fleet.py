@@ -15,7 +15,7 @@ from social_fleet.planning.heatmaps import Heatmaps
 from social_fleet.planning.overlay import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.social_graph import SocialGraph, learn
 from social_fleet.ros.paths import resolve_path
 
 log = logging.getLogger(__name__)
@@ -121,11 +121,18 @@ class PlanningFleet:
 
     def learn(self) -> None:
         """Extract the social graph from all paths counted so far; planners use it from now on."""
-        self.graph = SocialGraph.extract(self._heatmaps, self._config.heatmap_threshold, self._config.min_component,
-                                         grid=self.grid)
+        self._use(SocialGraph.extract(self._heatmaps, self._config.heatmap_threshold, self._config.min_component,
+                                      grid=self.grid), self.counted)
+
+    def learn_at_random(self, paths: int) -> None:
+        """Learn the social graph from `paths` plans between random poses, always the same ones."""
+        self._use(learn(self.planner(self._config.robot_radius), paths=paths, seed=0), paths)
+
+    def _use(self, graph: SocialGraph, paths: int) -> None:
+        self.graph = graph
         for planner in self._planners.values():
-            planner.graph = self.graph
-        log.info("the social graph of %d paths has %d edges", self.counted, self.graph.edge_count)
+            planner.graph = graph
+        log.info("the social graph of %d paths has %d edges", paths, graph.edge_count)
 
     def planner(self, radius: float) -> SocialPlanner:
         if radius not in self._planners:

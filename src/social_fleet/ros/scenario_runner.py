@@ -113,8 +113,7 @@ class ScenarioRunner:
         """Wait until no robot is missing."""
         deadline = time.monotonic() + self._config.patience
         while missing():
-            if rospy.is_shutdown():
-                raise NotReady("the run was ended from outside")
+            _check_running()
             if time.monotonic() > deadline:
                 raise NotReady(f"waited {self._config.patience:g} s in vain for {what}: {', '.join(sorted(missing()))}")
             rospy.rostime.wallsleep(_LOOK)
@@ -126,7 +125,8 @@ class ScenarioRunner:
         deadline += sum(fault.duration for fault in self._scenario.faults)
         told: Set[str] = set()
         finished, moved = math.inf, (recorder.now, time.monotonic())
-        while recorder.now < min(deadline, finished + _SETTLE) and not rospy.is_shutdown():
+        while recorder.now < min(deadline, finished + _SETTLE):
+            _check_running()
             for name in sorted(recorder.arrived - told):
                 rospy.loginfo("%s arrived after %.1f s; scheduled %.1f s", name, recorder.now, fleet[name].arrival_time)
             told |= recorder.arrived
@@ -148,3 +148,8 @@ class ScenarioRunner:
         space_time_picture(fleet, os.path.join(self._out, "space_time.png"), title=title, recording=recording)
         animate(grid, fleet, os.path.join(self._out, "fleet.gif"), recording=recording,
                 obstacles=self._scenario.obstacles, title=title)
+
+
+def _check_running() -> None:
+    if rospy.is_shutdown():
+        raise NotReady("the run was ended from outside")

@@ -33,6 +33,7 @@ class SocialPlannerParameters:
     base_frame: str = "base_link"  # of a robot, below its name
     pose_patience: float = parameter(2.0, above=0.0)  # wait for the robot's present pose [s, wall time]
     graph_file: str = ""  # a social graph to begin with; empty: none
+    learn_at_start: int = parameter(0, minimum=0)  # paths between random poses to learn a social graph from
     learn_every: int = parameter(0, minimum=0)  # extract the social graph anew after so many paths; 0: never
     scenario: str = ""  # a scenario file whose `planner` and robots go before the parameters
 
@@ -80,7 +81,10 @@ class SocialPlannerNode:
                 if self._fleet is not None and self._fleet.grid.digest == grid.digest:
                     return
                 self._fleet, self._frame, self._frames = None, "", None
-                self._fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file)
+                fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file)
+                if self._config.learn_at_start:
+                    fleet.learn_at_random(self._config.learn_at_start)
+                self._fleet = fleet
                 self._frame = conversions.frame_name(message.header.frame_id)
             except SocialFleetError as error:
                 self._trouble = error

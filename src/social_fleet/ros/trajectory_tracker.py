@@ -57,6 +57,7 @@ class TrajectoryTracker:
         self._tracker = Tracker(config=config)
         self._time_zero = genpy.Time()
         self._others: Dict[str, ReportedProgress] = {}
+        self._stopped = False
         self._heard_odom: Optional[float] = None
         self._reported: Tuple[float, Optional[ProgressState]] = (float("-inf"), None)
         self._frames = Frames(self._config.map_frame)
@@ -119,6 +120,9 @@ class TrajectoryTracker:
                 self._step(now, None)
 
     def _step(self, stamp: genpy.Time, pose: Optional[Pose]) -> None:
+        """Command for the period that begins at `stamp`, and report when it is time to."""
+        if self._stopped:
+            return
         now = self._seconds(stamp)
         reference = self._tracker.reference or pose  # of this moment: `step` moves it on
         command = self._tracker.step(now, pose, self._others)
@@ -155,5 +159,7 @@ class TrajectoryTracker:
         return (stamp.secs - self._time_zero.secs) + 1e-9 * (stamp.nsecs - self._time_zero.nsecs)
 
     def _stop(self) -> None:
-        """Leave the robot standing."""
-        self._cmd_vel.publish(Twist())
+        """Leave the robot standing, and its topics to rospy, which closes them next."""
+        with self._lock:
+            self._stopped = True
+            self._cmd_vel.publish(Twist())

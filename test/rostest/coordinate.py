@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Coordinate: simultaneous, sequential, and every request that cannot be met."""
+
+import math
+import unittest
+from typing import Any
+
+import rospy
+import rostest
+from support import Listener, planned, service, wait_until
+
+from social_fleet.coordination.verification import verify
+from social_fleet.msg import EncounterWindow, Progress, Schedule
+from social_fleet.ros.conversions import schedule_from_message
+from social_fleet.srv import Coordinate, CoordinateRequest, CoordinateResponse
+
+EAST, NORTH = [(0.0, 0.0), (20.0, 0.0)], [(10.0, -10.0), (10.0, 10.0)]
+
+
+class CoordinateTest(unittest.TestCase):
+    """Two robots on crossing paths, unless a test says otherwise."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.coordinate = service("fleet_coordinator/coordinate", Coordinate)
+        cls.progress = rospy.Publisher("fleet/progress", Progress, queue_size=10)
+
+    def expect(self, status: str, *words: str, **request: Any) -> CoordinateResponse:
+        answer = self.coordinate(CoordinateRequest(**request))
+        self.assertEqual(answer.status, getattr(CoordinateResponse, status), answer.message)
+        for word in words:
+            self.assertIn(word, answer.message)
+        self.assertEqual(bool(answer.schedules), status == "SUCCESS")
+        return answer
+
+    def crossing(self, **values: Any) -> CoordinateResponse:
+        return self.expect("SUCCESS", planning=[planned("blue", EAST), planned("gold", NORTH, **values)])
+
+    def test_simultaneous(self) -> None:
+        answer = self.crossing()
+        self.assertEqual([schedule.robot for schedule in answer.schedules], ["blue", "gold"])
+        self.assertEqual(len({schedule.header.stamp for schedule in answer.schedules}), 1)
+        self.assertEqual([window.kind for window in answer.windows], [EncounterWindow.INTERSECTION])
+        self.assertIn(answer.windows[0].first, ("blue", "gold"))
+        self.assertTrue(verify([schedule_from_message(schedule, "map") for schedule in answer.schedules]).safe)
+        waiting = [schedule for schedule in answer.schedules if schedule.precedences]
+        self.assertEqual(len(waiting), 1)
+        self.assertNotEqual(waiting[0].robot, answer.windows[0].first)
+
+    def test_time_zero_lies_ahead(self) -> None:
+        answer = self.crossing(depart=5.0)
+        self.assertGreater(answer.schedules[0].header.stamp, rospy.Time.now())
+        self.assertGreaterEqual(answer.schedules[1].times[0], 5.0)
+
+    def test_sequential(self) -> None:
+        first = self.expect("SUCCESS", planning=[planned("blue", EAST)])
+        second = self.expect("SUCCESS", planning=[planned("gold", NORTH)], fixed=first.schedules)
+        self.assertEqual(second.schedules[0].header.stamp, first.schedules[0].header.stamp)
+        self.assertGreater(second.schedules[0].version, first.schedules[0].version)
+        both = [schedule_from_message(item, "map") for item in (first.schedules[0], second.schedules[0])]
+        self.assertTrue(verify(both).safe)
+
+    def test_schedules_reach_late_and_forgetful_trackers(self) -> None:
+        version = self.crossing().schedules[0].version
+        late, windows = Listener("fleet/schedules", Schedule), Listener("fleet/windows", EncounterWindow)
+        late.wait(2)
+        windows.wait(1)
+        self.assertEqual({(message.robot, message.version) for message in late.messages},
+                         {("blue", version), ("gold", version)})
+        old = Progress(robot="gold", schedule_version=version - 1)
+        old.header.stamp = late.messages[0].header.stamp + rospy.Duration(1.0)
+        wait_until(lambda: self.progress.get_num_connections() > 0, "the coordinator to listen")
+        self.progress.publish(old)
+        self.assertEqual(late.wait(3).robot, "gold")
+
+    def test_infeasible(self) -> None:
+        there, back = [(0.0, 0.0), (10.0, 0.0)], [(10.0, 0.0), (0.0, 0.0)]
+        self.expect("INFEASIBLE", "blue", "gold", planning=[planned("blue", there), planned("gold", back)])
+        self.crossing()
+
+    def test_requests_that_are_wrong(self) -> None:
+        blue = planned("blue", EAST)
+        cases = {
+            "names": [blue, planned("blue", NORTH)],
+            "starts": [blue, planned("gold", [(0.3, 0.0), (0.0, 9.0)])],
+            "goals": [blue, planned("gold", [(20.0, 9.0), (20.0, 0.3)])],
+            "max_speed": [planned("gold", NORTH, max_speed=0.0)],
+            "radius": [planned("gold", NORTH, radius=-1.0)],
+            "depart": [planned("gold", NORTH, depart=math.nan)],
+            "name": [planned("", NORTH)],
+            "no robot": [],
+            "empty": [planned("gold", NORTH, path=type(blue.path)(header=blue.header))],
+        }
+        for word, planning in cases.items():
+            self.expect("INVALID_REQUEST", word, planning=planning)
+        self.expect("INVALID_REQUEST", "time_margin", planning=[blue], time_margin=-1.0)
+        self.expect("INVALID_REQUEST", "time_limit", planning=[blue], time_limit=math.nan)
+        self.crossing()
+
+    def test_frames_and_quaternions(self) -> None:
+        path = planned("gold", NORTH)
+        path.path.header.frame_id = "gold/odom"
+        self.expect("TF_ERROR", "gold", planning=[path])
+        path = planned("gold", NORTH)
+        path.path.poses[-1].pose.orientation.w = 3.0
+        self.expect("INVALID_REQUEST", "gold", "quaternion", planning=[path])
+
+    def test_fixed_schedules_that_are_wrong(self) -> None:
+        fixed = self.expect("SUCCESS", planning=[planned("blue", EAST)]).schedules
+        fixed[0].times = fixed[0].times[:-1]
+        self.expect("INVALID_REQUEST", "blue", planning=[planned("gold", NORTH)], fixed=fixed)
+
+
+if __name__ == "__main__":
+    rospy.init_node("coordinate_test")
+    rostest.rosrun("social_fleet", "coordinate", CoordinateTest)

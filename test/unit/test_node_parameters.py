@@ -1,0 +1,37 @@
+"""config/*.yaml is the manual of the nodes' parameters: each file shows all of them, with their defaults."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+pytest.importorskip("social_fleet.msg", reason="needs the built workspace's messages; tools/test has them")
+
+from repository import ROOT  # noqa: E402
+from social_fleet.files import read_yaml  # noqa: E402
+from social_fleet.parameters import from_mapping  # noqa: E402
+from social_fleet.ros.fake_robots import FakeRobotsParameters  # noqa: E402
+from social_fleet.ros.fleet_coordinator import FleetCoordinatorParameters  # noqa: E402
+from social_fleet.ros.social_planner import SocialPlannerParameters  # noqa: E402
+from social_fleet.ros.trajectory_tracker import TrajectoryTrackerParameters  # noqa: E402
+from social_fleet.simulation.config import LidarConfig  # noqa: E402
+
+# What launch files set from their arguments is not in the files.
+SET_BY_LAUNCH = {"scenario", "graph_file"}
+
+
+@pytest.mark.parametrize("file, kind", [
+    ("fake_robots_node.yaml", FakeRobotsParameters), ("fleet_coordinator.yaml", FleetCoordinatorParameters),
+    ("social_planner.yaml", SocialPlannerParameters), ("trajectory_tracker.yaml", TrajectoryTrackerParameters),
+])
+def test_the_file_shows_every_parameter_and_its_default(file: str, kind: Any) -> None:
+    shown = read_yaml(ROOT / "config" / file)
+    values = {name: value for name, value in shown.items() if name not in ("robots", "lidar")}
+    assert from_mapping(kind, values) == kind()
+    assert set(values) == {field.name for field in dataclasses.fields(kind)} - SET_BY_LAUNCH
+
+
+def test_the_lidar_has_its_defaults() -> None:
+    shown = read_yaml(ROOT / "config" / "fake_robots_node.yaml")
+    assert LidarConfig.from_mapping(shown["lidar"]) == LidarConfig()
+    assert set(shown["lidar"]) == {field.name for field in dataclasses.fields(LidarConfig)}

@@ -1,0 +1,59 @@
+"""RRT* as a fair baseline."""
+
+import numpy as np
+import pytest
+from worlds import grid_from_text
+
+from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.planning.baselines.rrt_star import rrt_star
+from social_fleet.planning.chords import Ground
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.lattice import Lattice, fitting_radius
+from social_fleet.planning.planner import SocialPlanner
+
+GRID = grid_from_text("\n".join(["." * 40] * 15 + ["." * 18 + "####" + "." * 18] * 10 + ["." * 40] * 15), 0.2)
+SPACE = ConfigurationSpace(GRID, 0.25)
+GROUND = Ground(GRID.blocked, SPACE.clearance, GRID.resolution, fitting_radius(SPACE), np.zeros((0, 3)))
+LATTICE = Lattice(SPACE)
+FREE = LATTICE.centres(np.arange(len(LATTICE)))
+START, GOAL = (5.5, 20.5), (34.5, 20.5)
+
+
+def solve(samples, seed=1, ground=GROUND):
+    return rrt_star(ground, FREE, START, GOAL, samples=samples, step=10.0, seed=seed)
+
+
+def length(points):
+    return np.hypot(*np.diff(points, axis=0).T).sum()
+
+
+def test_a_path_is_free_and_joins_its_ends():
+    points = solve(1000)
+    assert tuple(points[0]) == START and tuple(points[-1]) == GOAL
+    assert SPACE.is_free_path(points * 0.2)
+
+
+def test_it_improves_with_its_budget_towards_the_optimum():
+    lengths = [np.mean([length(solve(samples, seed)) for seed in range(5)]) for samples in (100, 1000, 5000)]
+    assert lengths[0] > lengths[1] > lengths[2]
+    best = 2.0 * np.hypot(12.5, 6.2) + 4.0  # over the two corners of the block, kept a radius away
+    assert lengths[2] < 1.03 * best
+
+
+def test_the_seed_decides():
+    np.testing.assert_array_equal(solve(500), solve(500))
+    assert length(solve(500, seed=2)) != length(solve(500, seed=3))
+
+
+def test_there_is_no_path_through_a_wall():
+    blocked = GRID.blocked.copy()
+    blocked[:, 20] = True
+    assert solve(100, ground=GROUND._replace(blocked=blocked, clearance=np.zeros_like(SPACE.clearance))) is None
+
+
+def test_as_a_planner():
+    planner = SocialPlanner(GRID, PlannerConfig())
+    plan = planner.plan((1.1, 4.1), (6.9, 4.1), planner="rrt_star")
+    assert planner.space.is_free_path(plan.points)
+    assert plan.cost >= planner.plan((1.1, 4.1), (6.9, 4.1)).cost - 1e-9
+    assert plan.length == pytest.approx(planner.plan((1.1, 4.1), (6.9, 4.1), planner="shortest").length, rel=0.1)
