@@ -50,7 +50,7 @@ class DemoTest(unittest.TestCase):
         for robot in report["robots"]:
             self.assertLess(abs(robot["arrival_time"] - robot["scheduled_time"]), 2.0)
             self.assertLess(robot["max_tracking_error"], 0.1)
-        self.assertNotIn("Traceback", output)
+        self.assertNotIn("src/social_fleet", output)  # a traceback of ours; rospy prints some of its own
 
 
 def carriers(mark: str) -> list:

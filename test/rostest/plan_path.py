@@ -80,7 +80,7 @@ class PlanPathTest(unittest.TestCase):
         plans, paths = len(self.plans.messages), len(self.paths.messages)
         answer = self.expect("SUCCESS", robot="gold")
         self.assertEqual(len(self.plans.wait(plans + 1).poses), len(answer.path.poses))
-        self.assertEqual((self.paths.wait(paths + 1).robot, self.paths.messages[-1].radius), ("gold", 0.25))
+        self.assertEqual((self.paths.wait(paths + 1).robot, self.paths.messages[-1].radius), ("gold", 0.2))
 
     def test_frames(self) -> None:
         self.expect("TF_ERROR", "moon", "goal", goal=stamped(*ABOVE, frame="moon"))

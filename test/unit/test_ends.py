@@ -31,7 +31,8 @@ def ground_of(space):
 
 @pytest.mark.parametrize("pose, words", [
     ((math.nan, 1.0), "finite"), ((1.0, 1.0, math.inf), "finite"), ((1.0,), "1 numbers"),
-    ((1.0, 2.0, 3.0, 4.0), "4 numbers"), ("ab", "must be"), ((-3.0, 1.0), "off the map"), ((4.5, 2.5), "wall"), ((4.5, 3.5), "unknown"),
+    ((1.0, 2.0, 3.0, 4.0), "4 numbers"),
+    ("ab", "must be"), ((-3.0, 1.0), "off the map"), ((4.5, 2.5), "wall"), ((4.5, 3.5), "unknown"),
     ((3.5, 2.5), "radius"), ((0.1, 5.0), "radius"), ((9.0, 5.0), "must avoid"),
 ])
 def test_bad_poses_say_what_is_wrong(pose, words):

@@ -10,7 +10,7 @@ from typing import List, Tuple
 
 import numpy as np
 
-from social_fleet.planning.chords import Ground, Prices, candidates_of, drop_needless, pull, turn_at
+from social_fleet.planning.chords import Ground, Prices, candidates_of, drop_needless, pull
 from social_fleet.planning.corners import merge_bends, round_corners
 
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
@@ -59,6 +59,9 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
         chosen = pull(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST, REACH, patience,
                       ground, 0.0)
     chosen = drop_needless(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST)
+    path = rounded(ground, points[chosen], corner_radius, least)
+    if not (turns(path) > SHARP).any():
+        return path
     narrow = ground._replace(radius=least)
     for first, last in reversed(jogs(points[chosen], JOG / ground.resolution)):
         window = np.arange(chosen[first], chosen[last] + 1)
@@ -69,14 +72,20 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     return rounded(ground, points[chosen], corner_radius, least)
 
 
+def turns(vertices: np.ndarray) -> np.ndarray:
+    """Heading change [rad] at every inner vertex, without sign."""
+    steps = np.diff(vertices, axis=0)
+    change = np.diff(np.arctan2(steps[:, 1], steps[:, 0]))
+    return np.abs((change + math.pi) % (2.0 * math.pi) - math.pi)
+
+
 def jogs(vertices: np.ndarray, longest: float) -> List[Tuple[int, int]]:
     """First and last vertex of the stretches that hold a turn in place beside a side shorter than `longest`."""
     sides = np.hypot(*np.diff(vertices, axis=0).T)
-    turns = np.array([turn_at(vertices, v - 1, v, v + 1) for v in range(1, len(vertices) - 1)])
-    sharp = np.flatnonzero((turns > SHARP) & (np.minimum(sides[:-1], sides[1:]) < longest)) + 1
+    sharp = np.flatnonzero((turns(vertices) > SHARP) & (np.minimum(sides[:-1], sides[1:]) < longest)) + 1
     stretches: List[Tuple[int, int]] = []
     for v in sharp:
-        low, high = v - 1, v + 1
+        low, high = int(v) - 1, int(v) + 1
         if stretches and low <= stretches[-1][1]:
             low = stretches.pop()[0]
         stretches.append((low, high))
