@@ -37,8 +37,8 @@ def test_an_opening_is_dear_beside_a_far_wall_and_free_where_none_guides():
 def test_two_robots_in_a_corridor_of_one_and_a_half_metres_have_lanes_to_pass():
     rates = {right: rate(CONFIG, right, 1.5 - right) for right in (0.3, 0.35, 0.4, 0.5, 0.75)}
     assert min(rates, key=rates.get) == 0.35
-    assert rates[0.4] == pytest.approx(0.05, abs=1e-6)
-    assert rates[0.5] == pytest.approx(0.15 + 5.0 * 0.1, abs=1e-6)  # a tenth of a metre into the other's half
+    assert rates[0.3] == pytest.approx(0.05, abs=1e-6)
+    assert rates[0.5] == pytest.approx(0.15 + 5.0 * 0.125, abs=1e-6)  # so far into the other's half
 
 
 def test_the_middle_of_a_single_lane_costs_nothing():

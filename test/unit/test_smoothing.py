@@ -11,7 +11,7 @@ from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.chords import Ground, Prices
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.search import Search
-from social_fleet.planning.smoothing import rounded, smooth
+from social_fleet.planning.smoothing import jogs, rounded, smooth, turns
 
 WORLD = "\n".join(["." * 60] * 18 + ["." * 25 + "#" * 8 + "." * 27] * 24 + ["." * 60] * 18)
 
@@ -38,7 +38,7 @@ class Room:
                       least=self.ground.radius)
 
 
-def turns(points):
+def signed_turns(points):
     return np.angle(np.exp(1j * np.diff(Polyline(points).segment_headings)))
 
 
@@ -54,8 +54,8 @@ def test_round_a_pillar(bound):
     assert room.space.is_free_path(path * 0.1)
     shortest = 2.0 * math.hypot(19.5 - 1.8, 11.5 + 1.8) + 11.6  # over the pillar's corners at the robot's radius
     assert Polyline(path).length < 1.1 * shortest
-    assert np.abs(turns(path)).max() < math.radians(8.0)
-    assert np.abs(turns(path)).sum() < math.radians(110.0)
+    assert np.abs(signed_turns(path)).max() < math.radians(8.0)
+    assert np.abs(signed_turns(path)).sum() < math.radians(110.0)
 
 
 def test_a_lane_stays_a_lane():
@@ -78,3 +78,29 @@ def test_corners_stay_sharp_without_a_radius():
 def test_a_path_of_one_place():
     here = np.array([[5.5, 5.5], [5.5, 5.5]])
     np.testing.assert_array_equal(rounded(Room().ground, here, 0.8, 2.5), here)
+
+
+def test_turns_have_no_sign_and_no_seam():
+    path = np.array([[0.0, 0.0], [-1.0, -0.1], [-2.0, 0.1], [-2.0, 1.0], [-1.0, 1.0]])
+    np.testing.assert_allclose(turns(path), np.abs(signed_turns(path)))
+
+
+def test_jogs_are_turns_in_place_beside_a_short_side():
+    path = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [20.0, 1.0], [30.0, 11.0], [30.0, 31.0], [30.5, 31.0]])
+    assert jogs(path, 4.0) == [(0, 3), (4, 6)]
+    assert jogs(path, 0.1) == []
+
+
+def test_a_jog_may_use_up_the_margin():
+    # A gap 0.6 m wide whose walls are a cell apart: with a margin the lattice's path makes two turns in it.
+    lower, upper = ["." * 12 + "#" * 6 + "." * 12], ["." * 18 + "#" * 6 + "." * 6]
+    text = "\n".join(["." * 30] * 10 + upper * 8 + ["." * 30] * 6 + lower * 8 + ["." * 30] * 10)
+    room = Room(text)
+    wide = room.ground._replace(radius=room.ground.radius + 0.4)
+    result = room.search.shortest(room.lattice.node[20, 3], room.lattice.node[20, 26])
+    points = room.lattice.centres(result.nodes)
+    paid = np.arange(len(points)) * 0.1
+    prices = Prices(room.lattice.links, room.social, np.zeros((0, 2), dtype=np.int32), -1.0)
+    path = smooth(points, result.nodes, paid, wide, prices, bound=-1.0, corner_radius=0.8, least=room.ground.radius)
+    assert room.space.is_free_path(path * 0.1)
+    assert turns(path).max(initial=0.0) < math.radians(20.0)

@@ -12,7 +12,7 @@ import numpy as np
 
 from social_fleet.planning.config import PlannerConfig
 
-PASSING_GAP = 0.2  # [m] between two robots that pass each other
+PASSING_GAP = 0.25  # [m] between two robots that pass each other, tracking errors included
 WALL_GAP = 0.05  # [m] between a robot and the wall that it keeps to, at least
 
 

@@ -161,7 +161,7 @@ class SocialPlanner:
         exempt = self.lattice.cells(result.nodes[[0, -1]])
         prices = Prices(self.lattice.links, self._social, exempt, self._search.exempt)
         return smooth(points, nodes, paid, ground, prices, bound=self.config.smoothing_bound if social else -1.0,
-                      corner_radius=self.config.corner_radius, least=fitting_radius(self.space))
+                      corner_radius=self.config.corner_radius, least=self._least_radius())
 
     def _sampled(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], joins: Tuple[int, int],
                  closed: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, None]]:
@@ -177,8 +177,12 @@ class SocialPlanner:
         nodes = [joins[:1]] + [piece.nodes[1:] for piece in pieces if piece is not None]
         headings = np.concatenate([piece.headings for piece in pieces if piece is not None])
         result = SearchResult(np.concatenate(nodes), headings, float(self.lattice.lengths[headings].sum()), RRT_SAMPLES)
-        points = rounded(ground, vertices, self.config.corner_radius, fitting_radius(self.space))
+        points = rounded(ground, vertices, self.config.corner_radius, self._least_radius())
         return points, result, None
+
+    def _least_radius(self) -> float:
+        """What a smoothed path keeps from walls in tight spots [cells]: the radius and half of the margin."""
+        return 0.5 * (fitting_radius(self.space) + fitting_radius(self._way))
 
     def _no_path(self, start: Sequence[float], goal: Sequence[float], avoid: Sequence[Disc], planner: str) -> NoPath:
         around = f" round {len(avoid)} obstacle{'s' * (len(avoid) > 1)}" if avoid else ""

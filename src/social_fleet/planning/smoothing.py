@@ -23,7 +23,7 @@ SMALLEST_RADIUS = 0.1  # [m] of a corner's arc
 ARC_STEP = 0.15  # [m] between vertices on an arc
 SHARP = math.radians(20.0)  # a turn for which a robot stops
 JOG = 0.4  # [m] below which a side beside a sharp turn belongs to a jog
-NARROW_REACH = 1.0  # [m] of a chord that may use up the margin
+NARROW_REACH = 1.0  # [m] of a chord that may use up some of the margin
 SHORT_SIDE = 0.8  # [m] below which two turns of the same sense become one
 
 
@@ -46,7 +46,7 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     corner_radius : float
         Largest radius of an arc [m], 0 for none.
     least : float
-        The robot's radius without margin [cells], for places where the margin leaves only a jog from cell to cell.
+        The robot's radius with less of a margin [cells], for places where all of it leaves only a jog.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 import threading
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Dict, Optional
 
 import genpy
 import rospy
@@ -21,6 +21,8 @@ from social_fleet.ros import conversions, parameters
 from social_fleet.ros.frames import Frames
 
 _EARLY = 1e-3  # a report that is due within this [s] is sent: stamps are rounded
+_QUIET = 0.5  # [s] between reports of a robot that has nothing new to tell
+_NEWS = 0.05  # what is new: so much further on [m], or faster or slower [m/s]
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class TrajectoryTrackerParameters:
 
     robot: str = ""  # the robot's name in schedules; empty: the last part of the node's namespace
     map_frame: str = "map"
-    progress_rate: float = parameter(10.0, above=0.0)  # of fleet/progress [Hz]; a change of state is told at once
+    progress_rate: float = parameter(10.0, above=0.0)  # of fleet/progress while there is news [Hz]
     odom_timeout: float = parameter(0.5, above=0.0)  # odometry older than this stops the robot [s]
 
 
@@ -59,7 +61,7 @@ class TrajectoryTracker:
         self._others: Dict[str, ReportedProgress] = {}
         self._stopped = False
         self._heard_odom: Optional[float] = None
-        self._reported: Tuple[float, Optional[ProgressState]] = (float("-inf"), None)
+        self._reported: Optional[Progress] = None
         self._frames = Frames(self._config.map_frame)
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._progress = rospy.Publisher("fleet/progress", Progress, queue_size=10)
@@ -85,7 +87,7 @@ class TrajectoryTracker:
                 return
             self._time_zero = message.header.stamp
             self._tracker.follow(schedule)
-            self._reported = (float("-inf"), None)
+            self._reported = None
         rospy.loginfo("%s: took up schedule %d, %.1f m in %.1f s, %d precedences", self.robot, schedule.version,
                       schedule.robot.path.length, schedule.arrival_time, len(schedule.precedences))
 
@@ -127,12 +129,22 @@ class TrajectoryTracker:
         reference = self._tracker.reference or pose  # of this moment: `step` moves it on
         command = self._tracker.step(now, pose, self._others)
         self._cmd_vel.publish(conversions.twist_to_message(command.speed, command.turn_rate))
-        reported, state = self._reported
-        if self._tracker.state is not state:
+        if self._reported is None or self._tracker.state != self._reported.state:
             self._log_change()
-        if self._tracker.state is not state or now >= reported + 1.0 / self._config.progress_rate - _EARLY:
+        if self._has_news(stamp):
             self._report(stamp, reference)
-            self._reported = (now, self._tracker.state)
+
+    def _has_news(self, stamp: genpy.Time) -> bool:
+        """Whether a report is due: at once on a change of state, otherwise by what has changed since the last one.
+
+        Every robot hears every report: those of standing robots would be most of what a fleet has to say.
+        """
+        tracker, last = self._tracker, self._reported
+        if last is None or tracker.state != last.state:
+            return True
+        moved = (abs(tracker.progress - last.arc_length) >= _NEWS or abs(tracker.command.speed - last.speed) >= _NEWS)
+        elapsed = self._seconds(stamp) - self._seconds(last.header.stamp)
+        return elapsed >= (1.0 / self._config.progress_rate if moved else _QUIET) - _EARLY
 
     def _report(self, stamp: genpy.Time, reference: Optional[Pose]) -> None:
         tracker, message = self._tracker, Progress(robot=self.robot)
@@ -143,6 +155,7 @@ class TrajectoryTracker:
         if reference is not None:
             message.reference = Pose2D(*reference)
         self._progress.publish(message)
+        self._reported = message
 
     def _log_change(self) -> None:
         """A line for what an operator wants to know of: waiting, stopping, arriving."""
