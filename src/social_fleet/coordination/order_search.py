@@ -1,9 +1,10 @@
 """Good orders quickly: greedy insertion of one window after the other, then single orders turned round.
 
-What it finds bounds the program from above, which is what lets big-M constants be small; it proves nothing.
+What that finds bounds the program from above, which is what lets big-M constants be small. For few windows, branch and
+bound over the orders proves the best of them sooner than a program is set up.
 """
 
-from typing import List, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numba import njit
@@ -34,16 +35,32 @@ class OrderSearch:
         self._moments = {robot: self._events(motions[robot], robot) for robot in robots}
         starts = np.cumsum([0] + [len(self._moments[robot]) for robot in robots])
         self._offsets = dict(zip(robots, starts.tolist()))
-        self._floors = np.concatenate([self._moments[robot] + motions[robot].depart for robot in robots])
-        self._first = np.zeros(starts[-1], dtype=np.bool_)
-        self._first[starts[:-1]] = True
-        self._fixed = np.repeat([motions[robot].fixed for robot in robots], np.diff(starts))
-        self._goals = np.array([end - 1 for robot, end in zip(robots, starts[1:]) if not motions[robot].fixed])
+        first = np.zeros(starts[-1], dtype=np.bool_)
+        first[starts[:-1]] = True
+        self._graph = _Graph(
+            np.concatenate([self._moments[robot] + motions[robot].depart for robot in robots]), first,
+            np.repeat([motions[robot].fixed for robot in robots], np.diff(starts)),
+            np.array([end - 1 for robot, end in zip(robots, starts[1:]) if not motions[robot].fixed]))
         self._edges = self._all_edges()
 
     def delay(self, sides: np.ndarray) -> float:
         """Delay of all arrivals together under `sides` (0: r first, 1: s first, -1: open) [s]; infinite on a cycle."""
-        return float(_delay(self._floors, self._first, self._fixed, self._goals, *self._edges, sides, self._margin))
+        return float(_times(self._graph, self._edges, sides, self._margin)[1])
+
+    def prove(self, delay: float, sides: np.ndarray, *, nodes: int) -> Tuple[float, np.ndarray, bool]:
+        """Branch and bound from the best delay known [s] and its sides, over at most so many nodes.
+
+        A node leaves some windows open. Its earliest times are a bound for all below it, and where they happen to keep
+        an order in each open window, a solution. Otherwise it branches on the window that asks for the longest delay
+        whichever robot goes first.
+
+        Returns
+        -------
+        delay, sides, proven
+            The best delay now known [s], infinite when there is none, and whether there is surely no better.
+        """
+        root = np.array([-1 if None not in window else int(window[0] is None) for window in self._windows])
+        return _branch(self._graph, self._edges, root, sides, delay, self._margin, nodes)
 
     def best(self) -> Tuple[float, np.ndarray]:
         """The least delay found [s], infinite when none was, and its sides."""
@@ -80,7 +97,8 @@ class OrderSearch:
         """Windows by when the first robot could be there."""
         entries = []
         for window, sides in enumerate(self._windows):
-            times = [self._floors[self._node(wait.follower, wait.at[:1])[0]] for wait in sides if wait is not None]
+            times = [self._graph.floors[self._node(wait.follower, wait.at[:1])[0]]
+                     for wait in sides if wait is not None]
             entries.append((float(min(times)), window))
         return [window for _, window in sorted(entries)]
 
@@ -96,8 +114,7 @@ class OrderSearch:
     def _node(self, robot: int, moments: np.ndarray) -> np.ndarray:
         return np.searchsorted(self._moments[robot], moments) + self._offsets[robot]
 
-    def _all_edges(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Heads, windows and sides of all edges, grouped by tail, and where each tail's group starts."""
+    def _all_edges(self) -> "_Edges":
         tails, heads, owners, chosen = [], [], [], []
         for window, sides in enumerate(self._windows):
             for side, wait in enumerate(sides):
@@ -109,24 +126,43 @@ class OrderSearch:
                 chosen.append(np.full(len(wait.at), side))
         tail = np.concatenate(tails)
         grouped = np.argsort(tail, kind="stable")
-        starts = np.searchsorted(tail[grouped], np.arange(len(self._floors) + 1))
-        return (np.concatenate(heads)[grouped], np.concatenate(owners)[grouped], np.concatenate(chosen)[grouped],
-                starts)
+        starts = np.searchsorted(tail[grouped], np.arange(len(self._graph.floors) + 1))
+        return _Edges(tail[grouped], np.concatenate(heads)[grouped], np.concatenate(owners)[grouped],
+                      np.concatenate(chosen)[grouped], starts)
+
+
+class _Graph(NamedTuple):
+    """Events of all robots: nominal times, whether an event is its robot's first, whether settled; the last ones."""
+
+    floors: np.ndarray
+    first: np.ndarray
+    fixed: np.ndarray
+    goals: np.ndarray
+
+
+class _Edges(NamedTuple):
+    """Waits between events, grouped by tail (`starts`): tail, head, the window that owns it, the side it belongs to."""
+
+    tails: np.ndarray
+    heads: np.ndarray
+    owners: np.ndarray
+    chosen: np.ndarray
+    starts: np.ndarray
 
 
 @njit(cache=True)
-def _delay(floors, first, fixed, goals, heads, owners, chosen, starts, sides, margin):  # type: ignore[no-untyped-def]
-    """Sum of the goals' earliest times above their floors under the edges that `sides` makes active."""
-    count = len(floors)
+def _times(graph, edges, sides, margin):  # type: ignore[no-untyped-def]
+    """Earliest times under the edges that `sides` makes active, and the delay of all goals together."""
+    count = len(graph.floors)
     degrees = np.zeros(count, np.int64)
-    for edge in range(len(heads)):
-        if sides[owners[edge]] == chosen[edge]:
-            degrees[heads[edge]] += 1
-    times = floors.copy()
+    for edge in range(len(edges.heads)):
+        if sides[edges.owners[edge]] == edges.chosen[edge]:
+            degrees[edges.heads[edge]] += 1
+    times = graph.floors.copy()
     queue = np.empty(count, np.int64)
     low, high = 0, 0
     for node in range(count):
-        if not first[node]:
+        if not graph.first[node]:
             degrees[node] += 1
         if degrees[node] == 0:
             queue[high] = node
@@ -134,27 +170,79 @@ def _delay(floors, first, fixed, goals, heads, owners, chosen, starts, sides, ma
     while low < high:
         node = queue[low]
         low += 1
-        if fixed[node]:
-            if times[node] > floors[node] + 1e-6:
-                return np.inf
-            times[node] = floors[node]
-        if node + 1 < count and not first[node + 1]:
-            times[node + 1] = max(times[node + 1], times[node] + floors[node + 1] - floors[node])
+        if graph.fixed[node]:
+            if times[node] > graph.floors[node] + 1e-6:
+                return times, np.inf
+            times[node] = graph.floors[node]
+        if node + 1 < count and not graph.first[node + 1]:
+            times[node + 1] = max(times[node + 1], times[node] + graph.floors[node + 1] - graph.floors[node])
             degrees[node + 1] -= 1
             if degrees[node + 1] == 0:
                 queue[high] = node + 1
                 high += 1
-        for edge in range(starts[node], starts[node + 1]):
-            if sides[owners[edge]] == chosen[edge]:
-                target = heads[edge]
+        for edge in range(edges.starts[node], edges.starts[node + 1]):
+            if sides[edges.owners[edge]] == edges.chosen[edge]:
+                target = edges.heads[edge]
                 times[target] = max(times[target], times[node] + margin)
                 degrees[target] -= 1
                 if degrees[target] == 0:
                     queue[high] = target
                     high += 1
     if high < count:
-        return np.inf
+        return times, np.inf
     total = 0.0
-    for goal in goals:
-        total += times[goal] - floors[goal]
-    return total
+    for goal in graph.goals:
+        total += times[goal] - graph.floors[goal]
+    return times, total
+
+
+@njit(cache=True)
+def _shortfalls(edges, sides, times, margin):  # type: ignore[no-untyped-def]
+    """For each open window and side, by how much the times miss what that side asks for."""
+    missing = np.zeros((len(sides), 2))
+    for edge in range(len(edges.heads)):
+        owner = edges.owners[edge]
+        if sides[owner] < 0:
+            late = times[edges.tails[edge]] + margin - times[edges.heads[edge]]
+            missing[owner, edges.chosen[edge]] = max(missing[owner, edges.chosen[edge]], late)
+    return missing
+
+
+@njit(cache=True)
+def _branch(graph, edges, root, sides, best, margin, limit):  # type: ignore[no-untyped-def]
+    """Depth first, the incumbent's side of each window first; see `OrderSearch.prove`."""
+    windows = len(root)
+    stack = np.empty((windows + 2, windows), np.int64)
+    stack[0] = root
+    top = 1
+    incumbent = sides.copy()
+    visited = 0
+    while top > 0:
+        if visited >= limit:
+            return best, incumbent, False
+        visited += 1
+        top -= 1
+        node = stack[top].copy()
+        times, delay = _times(graph, edges, node, margin)
+        if delay >= best - 1e-9:
+            continue
+        missing = _shortfalls(edges, node, times, margin)
+        chosen, worst = -1, 1e-9
+        for window in range(windows):
+            if node[window] < 0:
+                least = min(missing[window, 0], missing[window, 1])
+                if least > worst:
+                    chosen, worst = window, least
+        if chosen < 0:
+            best = delay
+            for window in range(windows):
+                incumbent[window] = node[window]
+                if node[window] < 0:
+                    incumbent[window] = 0 if missing[window, 0] <= missing[window, 1] else 1
+            continue
+        preferred = max(incumbent[chosen], 0)
+        for side in (1 - preferred, preferred):
+            stack[top] = node
+            stack[top, chosen] = side
+            top += 1
+    return best, incumbent, True

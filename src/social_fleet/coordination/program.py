@@ -2,9 +2,9 @@
 
 The objective and Eq. 5 are the paper's. In place of Eq. 6 and 7 stands one rule for windows of every kind: the second
 robot may leave an arc length only after the first has passed the one from which it stays clear (`encounters.Order`).
-Windows enter when a solution breaks them. Until none is broken, a quick search orders them; then the program
-(`group_program`) proves these orders or betters them. It is a relaxation of the full one, so its bound bounds the full
-optimum. Derivation: doc/coordination.md.
+Windows enter when a solution breaks them. Until none is broken, a quick search orders them (`order_search`); then
+branch and bound or, where that takes too long, the program (`group_program`) proves these orders or betters them. It
+is a relaxation of the full one, so its bound bounds the full optimum. Derivation: doc/coordination.md.
 """
 
 import logging
@@ -26,6 +26,7 @@ log = logging.getLogger(__name__)
 
 _SLACK = 1e-6  # rounding that a wait may be missed by [s]
 _AFTER = 1e-7  # from reaching an arc length to leaving it, so that who waits there has already cleared up to it [s]
+_NODES = 3000  # of branch and bound, before a program is set up
 _HEADROOM = 1e-3  # above the best known delay, so that the solver's rounding does not cut it off [s]
 
 
@@ -194,14 +195,18 @@ class ExactProgram:
         return self._groups[windows]
 
     def _improve(self, group: "_Group", deadline: float) -> bool:
-        """Solve the group's program once; whether that gave better orders."""
+        """Prove the group's orders, by branch and bound or by its program; whether that gave better ones."""
         if group.solved:
             return False
+        if self._solver is None:
+            better = self._branch(group, deadline)
+            if better or group.solved:
+                return better
+        group.solved = True
         known = math.isfinite(group.delay)
         windows = {window: self._waits[window] for window in group.sides}
         program = GroupProgram(self.motions, group.robots, windows, self.margin,
                                group.delay + _HEADROOM if known else self._horizon(windows))
-        group.solved = True
         try:
             bound = solve(program.problem, solver=self._solver, time_limit=deadline - time.monotonic())
         except TimedOut:
@@ -219,6 +224,18 @@ class ExactProgram:
             return False
         group.sides, group.delay = program.sides(), delay
         return True
+
+    def _branch(self, group: "_Group", deadline: float) -> bool:
+        """Branch and bound over few nodes; whether that gave better orders. At its end the group is solved."""
+        search = OrderSearch(self.motions, [self._waits[window] for window in group.sides], self.margin)
+        before = group.delay
+        group.delay, sides, group.solved = search.prove(before, np.array(list(group.sides.values())), nodes=_NODES)
+        group.sides = dict(zip(group.sides, sides.tolist()))
+        if group.solved and not math.isfinite(group.delay):
+            raise Contradiction(self._smallest_contradiction(list(group.sides), group.robots, deadline))
+        if group.solved:
+            group.bound = group.delay
+        return group.delay < before
 
     def _nominal(self, robots: Iterable[int]) -> float:
         """Sum of the arrivals of robots that nobody hinders [s]."""
