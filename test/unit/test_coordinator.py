@@ -16,6 +16,8 @@ from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.coordination.timing import nominal_timing
 from social_fleet.coordination.verification import verify
 from social_fleet.errors import Infeasible, InvalidParameter, InvalidScenario, TimedOut
+from social_fleet.scenario.closed_loop import simulate
+from social_fleet.simulation.faults import Fault
 
 CROSSING = [robot("a", (-4, 0), (4, 0)), robot("b", (0, -4), (0, 4))]
 KEPT = 0.2 - 1e-6  # clearance that the default tracking tolerance leaves [m]
@@ -162,6 +164,40 @@ def test_a_crossing_robot_waits_until_one_that_waits_itself_has_gone_by() -> Non
     follower = coordinate([robot("new", (-9.0, -4.0), (-9, -1), (-7, 0), (7, 0), (7, 4), max_speed=0.9)],
                           fixed=[waiting], mode="unified")
     assert verify([waiting, *follower.schedules]).min_clearance >= KEPT
+
+
+def test_a_robot_under_way_learns_whom_it_has_to_let_pass_now() -> None:
+    """A fast newcomer goes through the crossing before a slow robot that set out alone."""
+    slow = coordinate([robot("slow", (-9, 0), (4, 0), max_speed=0.2)], version=1).schedules[0]
+    assert slow.precedences == ()
+    joined = coordinate([robot("fast", (0, -4), (0, 4))], mode="unified", fixed=[slow], version=2)
+    assert [window.first for window in joined.windows] == ["fast"]
+    told, = joined.amended
+    assert {(rule.other, rule.other_version) for rule in told.precedences} == {("fast", 2)}
+    assert np.array_equal(told.times, slow.times) and told.version == slow.version
+
+
+def test_the_newcomer_may_stand_still_and_the_robot_under_way_waits_for_it() -> None:
+    slow = coordinate([robot("slow", (-9, 0), (4, 0), max_speed=0.2)], version=1).schedules[0]
+    joined = coordinate([robot("fast", (0, -4), (0, 4))], mode="unified", fixed=[slow], version=2)
+    held = Fault("fast", "pause", at=joined["fast"].arrival_time / 2.0, duration=60.0)
+    report, _ = simulate(FleetSchedule(joined.schedules + joined.amended), faults=[held])
+    assert report.min_clearance is not None and report.min_clearance > 0.0
+    assert all(own.arrived for own in report.robots)
+
+
+def test_a_robot_planned_anew_is_waited_for_on_its_new_path_only() -> None:
+    both = coordinate([robot("slow", (-9, 0), (4, 0), max_speed=0.2), CROSSING[1]], version=1)
+    assert {rule.other_version for rule in both["slow"].precedences} == {1}
+    anew = coordinate([robot("b", (0, -4), (1, -2), (1, 4))], mode="unified", fixed=[both["slow"]], version=2)
+    assert {rule.other_version for rule in anew.amended[0].precedences} == {2}
+    away = coordinate([robot("b", (0, -4), (0, -2))], mode="unified", fixed=[both["slow"]], version=2)
+    assert away.amended[0].precedences == ()
+
+
+def test_nobody_is_told_anew_where_nothing_changes() -> None:
+    alone_there = coordinate([robot("slow", (-9, 0), (4, 0), max_speed=0.2)]).schedules
+    assert coordinate([robot("far", (0, 40), (9, 40))], mode="unified", fixed=alone_there).amended == ()
 
 
 @pytest.mark.parametrize("arcs, times", [([0.0, 5.0], [0.0, 10.0]), ([2.0, 8.0], [0.0, 10.0])])

@@ -53,6 +53,13 @@ def test_the_faster_robot_goes_first_whatever_its_number() -> None:
         assert [window.first for window in fleet.windows] == [fast]
 
 
+def test_a_robot_that_only_stands_there_is_one_contradiction_more() -> None:
+    """Large robots, so that the passing one is near for longer than an intersection lasts."""
+    with pytest.raises(Infeasible, match="paper's constraints"):
+        coordinate([robot("parked", (0, 0.5), radius=0.6), robot("passing", (-6, 0), (6, 0), radius=0.6)],
+                   formulation="paper")
+
+
 def test_turning_and_speeding_up_take_no_time() -> None:
     fleet = coordinate([robot("a", (0, 0), (7, 0), (7, 7), start_yaw=2.0)], formulation="paper")
     assert fleet.objective == pytest.approx(14.0 / 0.7)

@@ -38,7 +38,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         ``simultaneous`` or ``unified``: all at once, round what is `fixed`; ``sequential``: one after the other in
         the given order, each round those before it.
     fixed : sequence of Schedule
-        Schedules already under way, on the same clock; they are not changed.
+        Schedules already under way, on the same clock. Their motion is not changed, but their robots may get to wait
+        for a planned one: see `FleetSchedule.amended`.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
     time_margin : float
@@ -88,6 +89,7 @@ class _Job:
     def __init__(self, fixed: Sequence[Schedule], margin: float, tolerance: float, deadline: float,
                  solver: Optional[str], replanner: Optional[Replanner], repairs: int, version: int) -> None:
         self.fixed = list(fixed)
+        self.given = {schedule.name: schedule for schedule in fixed}
         self.margin = margin
         self.deadline = deadline
         self.solver = solver
@@ -118,7 +120,7 @@ class _Job:
             tuple(schedules[robot.name] for robot in robots), tuple(windows), "exact",
             objective=solution.objective, gap=_gap(solution.objective, solution.bound),
             planning_time=spent["repair"], encounter_time=spent["encounters"], solve_time=spent["solve"],
-            message="" if mender is None else "; ".join(mender.notes))
+            message="" if mender is None else "; ".join(mender.notes), amended=self._amended())
 
     def run_one_by_one(self, robots: Sequence[Robot]) -> FleetSchedule:
         """Each robot round those before it."""
@@ -134,7 +136,7 @@ class _Job:
             planning_time=sum(part.planning_time for part in parts),
             encounter_time=sum(part.encounter_time for part in parts),
             solve_time=sum(part.solve_time for part in parts),
-            message="; ".join(part.message for part in parts if part.message))
+            message="; ".join(part.message for part in parts if part.message), amended=self._amended())
 
     def run_as_printed(self, robots: Sequence[Robot]) -> FleetSchedule:
         """Eq. 5-8 of the paper, all windows at once."""
@@ -201,9 +203,15 @@ class _Job:
             arcs, times = solution.paces[index].knots(self._timing(robot))
             schedules[robot.name] = Schedule(robot, arcs, times, _sorted(precedences.get(index, [])), self.version)
         for place, schedule in enumerate(self.fixed):
+            kept = [rule for rule in schedule.precedences if rule.other not in schedules]
             waits = precedences.get(len(fleet) - len(self.fixed) + place, [])
-            self.fixed[place] = replace(schedule, precedences=_sorted([*schedule.precedences, *waits]))
+            self.fixed[place] = replace(schedule, precedences=_sorted(kept + waits))
         return schedules
+
+    def _amended(self) -> Tuple[Schedule, ...]:
+        """The given fixed schedules whose precedences changed."""
+        return tuple(schedule for schedule in self.fixed if schedule.name in self.given
+                     and schedule.precedences != self.given[schedule.name].precedences)
 
 
 def _sorted(rules: Sequence[Precedence]) -> Tuple[Precedence, ...]:

@@ -150,7 +150,8 @@ def _staircase(at: np.ndarray, clear: np.ndarray) -> Tuple[np.ndarray, np.ndarra
 
 def _kind(runs: np.ndarray, r_extent: Tuple[float, float], s_extent: Tuple[float, float]) -> str:
     """3.3.1's kind; what is neither short nor monotone is read as an intersection, one robot at a time."""
-    if max(r_extent[1] - r_extent[0], s_extent[1] - s_extent[0]) < SHORT:
+    lengths = r_extent[1] - r_extent[0], s_extent[1] - s_extent[0]
+    if max(lengths) < SHORT or min(lengths) <= 0.0:
         return "intersection"
     _, starts = np.unique(runs[:, 0], return_index=True)
     lows, highs = np.minimum.reduceat(runs[:, 1], starts), np.maximum.reduceat(runs[:, 2], starts)

@@ -106,6 +106,9 @@ class FleetSchedule:
         Sum of completion times [s] of the planned robots; relative distance to the proven bound.
     planning_time, encounter_time, solve_time : float
         Wall times [s] of path planning (repairs included), window search, and the program.
+    amended : tuple of Schedule
+        Fixed schedules whose precedences changed: the robot now waits for a planned one that goes first, or no longer
+        for the past schedule of one that was planned anew. Motion and version are as before; their robots must get them.
     status, message : str
         ``ok``, and what happened on the way (repairs), for people.
     """
@@ -121,6 +124,7 @@ class FleetSchedule:
     map: Optional[str] = None
     status: str = "ok"
     message: str = ""
+    amended: Tuple[Schedule, ...] = ()
 
     def __getitem__(self, name: str) -> Schedule:
         return self.by_name[name]

@@ -153,12 +153,3 @@ def _bends(path: Polyline) -> np.ndarray:
         return np.zeros(0)
     changes = np.diff(path.segment_headings)
     return (changes + np.pi) % (2.0 * np.pi) - np.pi
-
-
-def _samples(path: Polyline) -> np.ndarray:
-    """Arc lengths of all vertices and of at least one point between, at most `_STEP` apart."""
-    lengths = np.diff(path.arc_lengths)
-    counts = np.maximum(np.ceil(lengths / _STEP), 2).astype(int)
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.append(np.repeat(path.arc_lengths[:-1], counts) + within * np.repeat(lengths / counts, counts),
-                     path.length)
