@@ -5,6 +5,7 @@ solution is at once the earliest for every robot at every event, so no solver is
 the times. A cycle of waits means that the orders contradict each other.
 """
 
+import math
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
@@ -92,6 +93,80 @@ def _without_straight_knots(arcs: np.ndarray, times: np.ndarray) -> Tuple[np.nda
     return arcs[bends], times[bends]
 
 
+class Events(NamedTuple):
+    """Events of all robots in turn: nominal times, whether its robot's first, whether settled; and the last ones."""
+
+    floors: np.ndarray
+    first: np.ndarray
+    fixed: np.ndarray
+    goals: np.ndarray
+
+
+class Edges(NamedTuple):
+    """Waits between events, grouped by tail (`starts`): tail, head, the window that owns it, the side it belongs to."""
+
+    tails: np.ndarray
+    heads: np.ndarray
+    owners: np.ndarray
+    chosen: np.ndarray
+    starts: np.ndarray
+
+
+class EventGraph:
+    """The events of a fleet and the waits between them, of both orders of every window.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        The whole fleet.
+    windows : sequence of Sides
+        What either order of each window asks for.
+    margin : float
+        Time by which a wait's second moment follows its first [s].
+    """
+
+    def __init__(self, motions: Sequence[Motion], windows: Sequence[Sides], margin: float) -> None:
+        self.margin = margin
+        waits = [(window, side, wait) for window, sides in enumerate(windows)
+                 for side, wait in enumerate(sides) if wait is not None]
+        self._moments = _moments(motions, [wait for _, _, wait in waits])
+        self._offsets = np.cumsum([0] + [len(own) for own in self._moments])
+        first = np.zeros(self._offsets[-1], dtype=np.bool_)
+        first[self._offsets[:-1]] = True
+        self.events = Events(
+            np.concatenate([own + motion.depart for own, motion in zip(self._moments, motions)]), first,
+            np.repeat([motion.fixed for motion in motions], np.diff(self._offsets)),
+            np.array([end - 1 for end, motion in zip(self._offsets[1:], motions) if not motion.fixed], dtype=np.int64))
+        self.edges = self._edges(waits)
+
+    def event(self, robot: int, moments: np.ndarray) -> np.ndarray:
+        """Positions of a robot's events at some of its moments."""
+        return np.searchsorted(self._moments[robot], moments) + self._offsets[robot]
+
+    def least_times(self, sides: np.ndarray) -> Tuple[np.ndarray, float]:
+        """Least times of all events under `sides` (0: r first, 1: s first, -1: open) and the delay of all arrivals [s].
+
+        The delay is infinite when the orders contradict each other or a fixed robot would have to wait.
+        """
+        return longest_path(self.events, self.edges, sides, self.margin)
+
+    def paces(self, times: np.ndarray) -> List[Pace]:
+        """Every robot's pace through its events at `times`."""
+        return [Pace(own, times[low:high])
+                for own, low, high in zip(self._moments, self._offsets[:-1], self._offsets[1:])]
+
+    def _edges(self, waits: Sequence[Tuple[int, int, Wait]]) -> Edges:
+        none = [np.zeros(0, dtype=np.int64)]
+        tails = np.concatenate([self.event(wait.leader, wait.clear) for _, _, wait in waits] or none)
+        heads = np.concatenate([self.event(wait.follower, wait.at) for _, _, wait in waits] or none)
+        counts = [len(wait.at) for _, _, wait in waits]
+        owners = np.repeat(np.array([window for window, _, _ in waits], dtype=np.int64), counts)
+        chosen = np.repeat(np.array([side for _, side, _ in waits], dtype=np.int64), counts)
+        grouped = np.argsort(tails, kind="stable")
+        starts = np.searchsorted(tails[grouped], np.arange(self._offsets[-1] + 1))
+        return Edges(tails[grouped], heads[grouped], owners[grouped], chosen[grouped], starts)
+
+
 def earliest(motions: Sequence[Motion], waits: Sequence[Wait], margin: float) -> Optional[List[Pace]]:
     """The least times at which every robot keeps every wait.
 
@@ -104,22 +179,12 @@ def earliest(motions: Sequence[Motion], waits: Sequence[Wait], margin: float) ->
     -------
     list of Pace, or None when the waits contradict each other or a fixed robot would have to wait.
     """
-    moments = _events(motions, waits)
-    offsets = np.cumsum([0] + [len(own) for own in moments])
-    tails = [np.searchsorted(moments[wait.leader], wait.clear) + offsets[wait.leader] for wait in waits]
-    heads = [np.searchsorted(moments[wait.follower], wait.at) + offsets[wait.follower] for wait in waits]
-    fixed = np.repeat([motion.fixed for motion in motions], np.diff(offsets))
-    floors = np.concatenate([own + motion.depart for own, motion in zip(moments, motions)])
-    first = np.zeros(offsets[-1], dtype=bool)
-    first[offsets[:-1]] = True
-    none = [np.zeros(0, dtype=np.int64)]
-    times = _longest_path(floors, first, fixed, np.concatenate(tails or none), np.concatenate(heads or none), margin)
-    if times is None:
-        return None
-    return [Pace(own, times[low:high]) for own, low, high in zip(moments, offsets[:-1], offsets[1:])]
+    graph = EventGraph(motions, [(wait, None) for wait in waits], margin)
+    times, delay = graph.least_times(np.zeros(len(waits), dtype=np.int64))
+    return graph.paces(times) if math.isfinite(delay) else None
 
 
-def _events(motions: Sequence[Motion], waits: Sequence[Wait]) -> List[np.ndarray]:
+def _moments(motions: Sequence[Motion], waits: Sequence[Wait]) -> List[np.ndarray]:
     """Each robot's moments that some wait speaks of, with its first and last."""
     own: List[List[np.ndarray]] = [[motion.timing.times[[0, -1]]] for motion in motions]
     for wait in waits:
@@ -129,48 +194,46 @@ def _events(motions: Sequence[Motion], waits: Sequence[Wait]) -> List[np.ndarray
 
 
 @njit(cache=True)
-def _longest_path(floors, first, fixed, tails, heads, margin):  # type: ignore[no-untyped-def]
-    """Least times >= floors that keep every edge, by Kahn's order; None on a cycle or a late fixed event."""
-    count = len(floors)
+def longest_path(events, edges, sides, margin):  # type: ignore[no-untyped-def]
+    """See `EventGraph.least_times`; by Kahn's order over the edges that `sides` makes active."""
+    count = len(events.floors)
     degrees = np.zeros(count, np.int64)
-    starts = np.zeros(count + 1, np.int64)
-    for edge in range(len(tails)):
-        degrees[heads[edge]] += 1
-        starts[tails[edge] + 1] += 1
-    starts = np.cumsum(starts)
-    fill = starts[:-1].copy()
-    targets = np.empty(len(tails), np.int64)
-    for edge in range(len(tails)):
-        targets[fill[tails[edge]]] = heads[edge]
-        fill[tails[edge]] += 1
-    for node in range(count):
-        if not first[node]:
-            degrees[node] += 1
-    times = floors.copy()
+    for edge in range(len(edges.heads)):
+        if sides[edges.owners[edge]] == edges.chosen[edge]:
+            degrees[edges.heads[edge]] += 1
+    times = events.floors.copy()
     queue = np.empty(count, np.int64)
     low, high = 0, 0
     for node in range(count):
+        if not events.first[node]:
+            degrees[node] += 1
         if degrees[node] == 0:
             queue[high] = node
             high += 1
     while low < high:
         node = queue[low]
         low += 1
-        if fixed[node] and times[node] > floors[node] + 1e-6:
-            return None
-        if fixed[node]:
-            times[node] = floors[node]
-        if node + 1 < count and not first[node + 1]:
-            times[node + 1] = max(times[node + 1], times[node] + floors[node + 1] - floors[node])
+        if events.fixed[node]:
+            if times[node] > events.floors[node] + 1e-6:
+                return times, np.inf
+            times[node] = events.floors[node]
+        if node + 1 < count and not events.first[node + 1]:
+            times[node + 1] = max(times[node + 1], times[node] + events.floors[node + 1] - events.floors[node])
             degrees[node + 1] -= 1
             if degrees[node + 1] == 0:
                 queue[high] = node + 1
                 high += 1
-        for edge in range(starts[node], starts[node + 1]):
-            target = targets[edge]
-            times[target] = max(times[target], times[node] + margin)
-            degrees[target] -= 1
-            if degrees[target] == 0:
-                queue[high] = target
-                high += 1
-    return times if high == count else None
+        for edge in range(edges.starts[node], edges.starts[node + 1]):
+            if sides[edges.owners[edge]] == edges.chosen[edge]:
+                target = edges.heads[edge]
+                times[target] = max(times[target], times[node] + margin)
+                degrees[target] -= 1
+                if degrees[target] == 0:
+                    queue[high] = target
+                    high += 1
+    if high < count:
+        return times, np.inf
+    delay = 0.0
+    for goal in events.goals:
+        delay += times[goal] - events.floors[goal]
+    return times, delay

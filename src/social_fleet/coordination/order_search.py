@@ -4,12 +4,12 @@ What that finds bounds the program from above, which is what lets big-M constant
 bound over the orders proves the best of them sooner than a program is set up.
 """
 
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 from numba import njit
 
-from social_fleet.coordination.event_graph import Motion, Sides
+from social_fleet.coordination.event_graph import EventGraph, Motion, Sides, longest_path
 
 _PASSES = 20
 
@@ -29,23 +29,11 @@ class OrderSearch:
 
     def __init__(self, motions: Sequence[Motion], windows: Sequence[Sides], margin: float) -> None:
         self._windows = windows
-        self._margin = margin
-        robots = sorted({robot for sides in windows for wait in sides if wait is not None
-                         for robot in (wait.leader, wait.follower)})
-        self._moments = {robot: self._events(motions[robot], robot) for robot in robots}
-        starts = np.cumsum([0] + [len(self._moments[robot]) for robot in robots])
-        self._offsets = dict(zip(robots, starts.tolist()))
-        first = np.zeros(starts[-1], dtype=np.bool_)
-        first[starts[:-1]] = True
-        self._graph = _Graph(
-            np.concatenate([self._moments[robot] + motions[robot].depart for robot in robots]), first,
-            np.repeat([motions[robot].fixed for robot in robots], np.diff(starts)),
-            np.array([end - 1 for robot, end in zip(robots, starts[1:]) if not motions[robot].fixed]))
-        self._edges = self._all_edges()
+        self._graph = EventGraph(motions, windows, margin)
 
     def delay(self, sides: np.ndarray) -> float:
         """Delay of all arrivals together under `sides` (0: r first, 1: s first, -1: open) [s]; infinite on a cycle."""
-        return float(_times(self._graph, self._edges, sides, self._margin)[1])
+        return float(self._graph.least_times(sides)[1])
 
     def prove(self, delay: float, sides: np.ndarray, *, nodes: int) -> Tuple[float, np.ndarray, bool]:
         """Branch and bound from the best delay known [s] and its sides, over at most so many nodes.
@@ -60,7 +48,7 @@ class OrderSearch:
             The best delay now known [s], infinite when there is none, and whether there is surely no better.
         """
         root = np.array([-1 if None not in window else int(window[0] is None) for window in self._windows])
-        return _branch(self._graph, self._edges, root, sides, delay, self._margin, nodes)
+        return _branch(self._graph.events, self._graph.edges, root, sides, delay, self._graph.margin, nodes)
 
     def best(self) -> Tuple[float, np.ndarray]:
         """The least delay found [s], infinite when none was, and its sides."""
@@ -97,103 +85,10 @@ class OrderSearch:
         """Windows by when the first robot could be there."""
         entries = []
         for window, sides in enumerate(self._windows):
-            times = [self._graph.floors[self._node(wait.follower, wait.at[:1])[0]]
+            times = [self._graph.events.floors[self._graph.event(wait.follower, wait.at[:1])[0]]
                      for wait in sides if wait is not None]
             entries.append((float(min(times)), window))
         return [window for _, window in sorted(entries)]
-
-    def _events(self, motion: Motion, robot: int) -> np.ndarray:
-        parts = [motion.timing.times[[0, -1]]]
-        for wait in (wait for sides in self._windows for wait in sides if wait is not None):
-            if wait.leader == robot:
-                parts.append(wait.clear)
-            elif wait.follower == robot:
-                parts.append(wait.at)
-        return np.unique(np.concatenate(parts))
-
-    def _node(self, robot: int, moments: np.ndarray) -> np.ndarray:
-        return np.searchsorted(self._moments[robot], moments) + self._offsets[robot]
-
-    def _all_edges(self) -> "_Edges":
-        tails, heads, owners, chosen = [], [], [], []
-        for window, sides in enumerate(self._windows):
-            for side, wait in enumerate(sides):
-                if wait is None:
-                    continue
-                tails.append(self._node(wait.leader, wait.clear))
-                heads.append(self._node(wait.follower, wait.at))
-                owners.append(np.full(len(wait.at), window))
-                chosen.append(np.full(len(wait.at), side))
-        tail = np.concatenate(tails)
-        grouped = np.argsort(tail, kind="stable")
-        starts = np.searchsorted(tail[grouped], np.arange(len(self._graph.floors) + 1))
-        return _Edges(tail[grouped], np.concatenate(heads)[grouped], np.concatenate(owners)[grouped],
-                      np.concatenate(chosen)[grouped], starts)
-
-
-class _Graph(NamedTuple):
-    """Events of all robots: nominal times, whether an event is its robot's first, whether settled; the last ones."""
-
-    floors: np.ndarray
-    first: np.ndarray
-    fixed: np.ndarray
-    goals: np.ndarray
-
-
-class _Edges(NamedTuple):
-    """Waits between events, grouped by tail (`starts`): tail, head, the window that owns it, the side it belongs to."""
-
-    tails: np.ndarray
-    heads: np.ndarray
-    owners: np.ndarray
-    chosen: np.ndarray
-    starts: np.ndarray
-
-
-@njit(cache=True)
-def _times(graph, edges, sides, margin):  # type: ignore[no-untyped-def]
-    """Earliest times under the edges that `sides` makes active, and the delay of all goals together."""
-    count = len(graph.floors)
-    degrees = np.zeros(count, np.int64)
-    for edge in range(len(edges.heads)):
-        if sides[edges.owners[edge]] == edges.chosen[edge]:
-            degrees[edges.heads[edge]] += 1
-    times = graph.floors.copy()
-    queue = np.empty(count, np.int64)
-    low, high = 0, 0
-    for node in range(count):
-        if not graph.first[node]:
-            degrees[node] += 1
-        if degrees[node] == 0:
-            queue[high] = node
-            high += 1
-    while low < high:
-        node = queue[low]
-        low += 1
-        if graph.fixed[node]:
-            if times[node] > graph.floors[node] + 1e-6:
-                return times, np.inf
-            times[node] = graph.floors[node]
-        if node + 1 < count and not graph.first[node + 1]:
-            times[node + 1] = max(times[node + 1], times[node] + graph.floors[node + 1] - graph.floors[node])
-            degrees[node + 1] -= 1
-            if degrees[node + 1] == 0:
-                queue[high] = node + 1
-                high += 1
-        for edge in range(edges.starts[node], edges.starts[node + 1]):
-            if sides[edges.owners[edge]] == edges.chosen[edge]:
-                target = edges.heads[edge]
-                times[target] = max(times[target], times[node] + margin)
-                degrees[target] -= 1
-                if degrees[target] == 0:
-                    queue[high] = target
-                    high += 1
-    if high < count:
-        return times, np.inf
-    total = 0.0
-    for goal in graph.goals:
-        total += times[goal] - graph.floors[goal]
-    return times, total
 
 
 @njit(cache=True)
@@ -209,7 +104,7 @@ def _shortfalls(edges, sides, times, margin):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _branch(graph, edges, root, sides, best, margin, limit):  # type: ignore[no-untyped-def]
+def _branch(events, edges, root, sides, best, margin, limit):  # type: ignore[no-untyped-def]
     """Depth first, the incumbent's side of each window first; see `OrderSearch.prove`."""
     windows = len(root)
     stack = np.empty((windows + 2, windows), np.int64)
@@ -223,7 +118,7 @@ def _branch(graph, edges, root, sides, best, margin, limit):  # type: ignore[no-
         visited += 1
         top -= 1
         node = stack[top].copy()
-        times, delay = _times(graph, edges, node, margin)
+        times, delay = longest_path(events, edges, node, margin)
         if delay >= best - 1e-9:
             continue
         missing = _shortfalls(edges, node, times, margin)

@@ -108,7 +108,7 @@ class FleetSchedule:
         Wall times [s] of path planning (repairs included), window search, and the program.
     amended : tuple of Schedule
         Fixed schedules whose precedences changed: the robot now waits for a planned one that goes first, or no longer
-        for the past schedule of one that was planned anew. Motion and version are as before; their robots must get them.
+        for the past schedule of one that was planned anew. Motion and version are as before; send them to their robots.
     status, message : str
         ``ok``, and what happened on the way (repairs), for people.
     """
