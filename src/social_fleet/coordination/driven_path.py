@@ -86,7 +86,13 @@ def _leg(path: Polyline, integrals: "_Integrals", low: float, high: float) -> Dr
     own = path.position(arcs)
     if high <= low:
         return DrivenLeg(arcs, own, np.zeros(len(arcs)))
-    points = integrals.average(arcs, _chosen_half_widths(integrals, arcs, own), own)
+    points = own.copy()
+    bent = integrals.bent(arcs)  # on straight stretches the average is the path itself
+    half_widths = np.full(len(arcs), _HALF_WIDTHS[-1])
+    half_widths[bent] = _widest(integrals, arcs[bent], own[bent])
+    half_widths[0] = half_widths[-1] = 0.0
+    half_widths = _limit_slope(half_widths, _WIDENING * (arcs - arcs[0]))
+    points[bent] = integrals.average(arcs[bent], half_widths[bent], own[bent])
     directions = np.gradient(points, axis=0)
     headings = np.unwrap(np.arctan2(directions[:, 1], directions[:, 0]))
     departure, arrival = path.heading(low), path.segment_headings[max(path.segment_index(high - 1e-9), 0)]
@@ -95,14 +101,13 @@ def _leg(path: Polyline, integrals: "_Integrals", low: float, high: float) -> Dr
     return DrivenLeg(arcs, points, headings)
 
 
-def _chosen_half_widths(integrals: "_Integrals", arcs: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """The widest averaging that leaves the path by `CUT` at most, changing gradually, zero at both ends."""
+def _widest(integrals: "_Integrals", arcs: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """The widest averaging at each arc length that leaves the path by `CUT` at most [m], 0 where none does."""
     chosen = np.zeros(len(arcs))
     for half_width in _HALF_WIDTHS:
         averages = integrals.average(arcs, np.full(len(arcs), half_width), own)
         chosen = np.where(np.hypot(*(averages - own).T) <= CUT, half_width, chosen)
-    chosen[0] = chosen[-1] = 0.0
-    return _limit_slope(chosen, _WIDENING * (arcs - arcs[0]))
+    return chosen
 
 
 def _limit_slope(values: np.ndarray, rise: np.ndarray) -> np.ndarray:
@@ -124,6 +129,12 @@ class _Integrals:
         self._first = np.vstack([np.zeros((1, 2)), np.cumsum(first, axis=0)[:-1]])
         second = self._first * lengths + self._points * lengths ** 2 / 2.0 + self._tangents * lengths ** 3 / 6.0
         self._second = np.vstack([np.zeros((1, 2)), np.cumsum(second, axis=0)[:-1]])
+
+    def bent(self, arcs: np.ndarray) -> np.ndarray:
+        """Which of `arcs` (M,) have a vertex within the widest averaging."""
+        vertices = self._arcs[1:]
+        low, high = np.searchsorted(vertices, [arcs - _HALF_WIDTHS[-1] - 1e-6, arcs + _HALF_WIDTHS[-1] + 1e-6])
+        return high > low
 
     def average(self, arcs: np.ndarray, half_widths: np.ndarray, own: np.ndarray) -> np.ndarray:
         """Averages (M, 2) around `arcs`; `own`, the positions there, where a half width vanishes."""
