@@ -14,6 +14,7 @@ CASES = (
     ("social_planner", ("_robot_radios:=0.3",), "robot_radios"),
     ("social_planner", ("_learn_every:=often",), "learn_every"),
     ("fleet_coordinator", ("_formulation:=fast",), "formulation"),
+    ("fleet_coordinator", ("_formulation:=paper",), "formulation"),
     ("trajectory_tracker", ("_robot:=gold", "_progress_rate:=0"), "progress_rate"),
     ("trajectory_tracker", (), "robot"),
     ("fake_robots", (), "robots"),

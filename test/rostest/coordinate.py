@@ -2,6 +2,7 @@
 """Coordinate: simultaneous, sequential, and every request that cannot be met."""
 
 import math
+import time
 import unittest
 from typing import Any
 
@@ -60,6 +61,47 @@ class CoordinateTest(unittest.TestCase):
         both = [schedule_from_message(item, "map") for item in (first.schedules[0], second.schedules[0])]
         self.assertTrue(verify(both).safe)
 
+    def test_robots_under_way_are_told_whom_to_let_pass(self) -> None:
+        """Gold is across before blue comes near: blue must not rely on it."""
+        first = self.expect("SUCCESS", planning=[planned("blue", EAST)])
+        heard = Listener("fleet/schedules", Schedule)
+        self.addCleanup(heard.close)
+        wait_until(lambda: any(message.robot == "blue" for message in heard.messages), "blue's first schedule")
+        near = planned("gold", [(10.0, -2.0), (10.0, 10.0)])
+        second = self.expect("SUCCESS", planning=[near], fixed=first.schedules)
+        self.assertEqual([schedule.robot for schedule in second.schedules], ["gold"])
+        told, = second.amended
+        self.assertEqual({rule.other for rule in told.precedences}, {"gold"})
+        self.assertEqual(told.precedences[0].other_version, second.schedules[0].version)
+        before = first.schedules[0]
+        self.assertFalse(before.precedences)
+        before.precedences, before.header.seq = told.precedences, told.header.seq  # a publisher counts by itself
+        self.assertEqual(told, before)
+        wait_until(lambda: any(message.precedences == told.precedences and message.version == told.version
+                               for message in heard.messages if message.robot == "blue"), "blue's amended schedule")
+
+    def hear(self, status: str, **progress: Any) -> CoordinateResponse:
+        """The answer to a request without red, once what red reports leads to `status`."""
+        def ask() -> CoordinateResponse:
+            self.progress.publish(Progress(robot="red", **progress))
+            answer = self.coordinate(CoordinateRequest(planning=[planned("blue", EAST)]))
+            return answer if answer.status == getattr(CoordinateResponse, status) else None
+        wait_until(lambda: self.progress.get_num_connections() > 0, "the coordinator to listen")
+        return wait_until(ask, status)
+
+    def test_robots_that_may_move_must_not_be_left_out(self) -> None:
+        for state in (Progress.DRIVING, Progress.TURNING, Progress.HOLDING):
+            self.assertIn("red", self.hear("INVALID_REQUEST", state=state, schedule_version=7).message)
+            self.hear("SUCCESS", state=Progress.ARRIVED, schedule_version=7)
+
+    def test_versions_never_repeat(self) -> None:
+        version = self.crossing().schedules[0].version
+        self.assertGreater(version, time.time() - 3600.0)
+        self.assertGreater(self.crossing().schedules[0].version, version)
+        heard = version + 100
+        wait_until(lambda: self.hear("SUCCESS", state=Progress.ARRIVED, schedule_version=heard
+                                     ).schedules[0].version > heard, "versions above those heard of")
+
     def test_schedules_reach_late_and_forgetful_trackers(self) -> None:
         version = self.crossing().schedules[0].version
         late, windows = Listener("fleet/schedules", Schedule), Listener("fleet/windows", EncounterWindow)
@@ -67,7 +109,7 @@ class CoordinateTest(unittest.TestCase):
         windows.wait(1)
         self.assertEqual({(message.robot, message.version) for message in late.messages},
                          {("blue", version), ("gold", version)})
-        old = Progress(robot="gold", schedule_version=version - 1)
+        old = Progress(robot="gold", schedule_version=version - 1, state=Progress.ARRIVED)
         old.header.stamp = late.messages[0].header.stamp + rospy.Duration(1.0)
         wait_until(lambda: self.progress.get_num_connections() > 0, "the coordinator to listen")
         self.progress.publish(old)

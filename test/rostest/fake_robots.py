@@ -46,10 +46,12 @@ class FakeRobotsTest(unittest.TestCase):
         wait_until(lambda: commands.get_num_connections() > 0, "the simulation to listen")
         command = Twist()
         command.linear.x = 2.0
-        commands.publish(command)
-        wait_until(lambda: odometry.messages and odometry.messages[-1].pose.pose.position.x > 1.0, "a metre's drive")
-        commands.publish(Twist())
-        wait_until(lambda: odometry.messages[-1].twist.twist.linear.x == 0.0, "standstill")
+
+        def drive() -> bool:
+            commands.publish(command)
+            return bool(odometry.messages) and odometry.messages[-1].pose.pose.position.x > 1.0
+        wait_until(drive, "a metre's drive")
+        wait_until(lambda: odometry.messages[-1].twist.twist.linear.x == 0.0, "standstill without further commands")
         speeds = [(message.header.stamp.to_sec(), message.twist.twist.linear.x) for message in odometry.messages]
         self.assertAlmostEqual(max(speed for _, speed in speeds), 0.5)
         for (earlier, before), (later, after) in zip(speeds, speeds[1:]):

@@ -48,6 +48,10 @@ class Listener:
         wait_until(lambda: len(self.messages) >= count, f"{count} messages on {self._subscriber.resolved_name}")
         return self.messages[-1]
 
+    def close(self) -> None:
+        """Leave the topic: only then is the next listener of this process a new subscriber."""
+        self._subscriber.unregister()
+
 
 def drawn(rows: Sequence[str], resolution: float) -> OccupancyGrid:
     """A map from text, the top row first: '#' wall, '?' unknown, all else free."""

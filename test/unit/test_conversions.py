@@ -18,6 +18,7 @@ from social_fleet.errors import (InvalidInput, InvalidMap, InvalidPose, InvalidS
                                  InvalidStart)
 from social_fleet.geometry import Pose  # noqa: E402
 from social_fleet.mapping.grid import OccupancyGrid  # noqa: E402
+from social_fleet.msg import PlannedPath  # noqa: E402
 from social_fleet.ros import conversions  # noqa: E402
 
 STAMP = genpy.Time(7, 500_000_000)
@@ -123,8 +124,15 @@ def a_robot() -> Robot:
                  max_acceleration=0.4, max_turn_rate=1.1, max_turn_acceleration=2.2)
 
 
+def request(robot: Robot) -> PlannedPath:
+    """What a client fills in: the fields that a schedule of the robot has, too."""
+    schedule = conversions.schedule_to_message(Schedule(robot, np.zeros(1), np.zeros(1)), "map", STAMP)
+    shared = {name: getattr(schedule, name) for name in PlannedPath.__slots__ if name in schedule.__slots__}
+    return PlannedPath(depart=robot.depart, **shared)
+
+
 def test_a_robot_survives_a_request() -> None:
-    message = sent(conversions.robot_to_planned_path(a_robot(), "map", STAMP))
+    message = sent(request(a_robot()))
     back = conversions.robot_from_planned_path(message, "map")
     assert back.path.points.tolist() == CORNER.tolist()
     assert (back.name, back.max_speed, back.body_radius, back.depart) == ("gold", 0.6, 0.3, 2.0)
@@ -133,7 +141,7 @@ def test_a_robot_survives_a_request() -> None:
 
 
 def test_what_a_request_leaves_out_has_defaults() -> None:
-    message = conversions.robot_to_planned_path(Robot("gold", CORNER), "map", STAMP)
+    message = request(Robot("gold", CORNER))
     message.start_orientation = Quaternion()
     message.max_acceleration = message.max_turn_rate = message.max_turn_acceleration = 0.0
     back = conversions.robot_from_planned_path(message, "map")
@@ -143,7 +151,7 @@ def test_what_a_request_leaves_out_has_defaults() -> None:
 
 @pytest.mark.parametrize("name", ["", "/gold"])
 def test_what_is_no_robots_name_is_refused(name: str) -> None:
-    message = conversions.robot_to_planned_path(a_robot(), "map", STAMP)
+    message = request(a_robot())
     message.robot = name
     with pytest.raises(InvalidScenario, match="no robot's name"):
         conversions.robot_from_planned_path(message, "map")

@@ -1,6 +1,7 @@
 """config/*.yaml is the manual of the nodes' parameters: each file shows all of them, with their defaults."""
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,10 +9,11 @@ import pytest
 pytest.importorskip("social_fleet.msg", reason="needs the built workspace's messages; tools/test has them")
 
 from repository import ROOT  # noqa: E402
+from social_fleet.errors import InvalidScenario  # noqa: E402
 from social_fleet.files import read_yaml  # noqa: E402
 from social_fleet.parameters import from_mapping  # noqa: E402
 from social_fleet.ros.fake_robots import FakeRobotsParameters  # noqa: E402
-from social_fleet.ros.fleet_coordinator import FleetCoordinatorParameters  # noqa: E402
+from social_fleet.ros.fleet_coordinator import FleetCoordinatorParameters, as_scenario  # noqa: E402
 from social_fleet.ros.social_planner import SocialPlannerParameters  # noqa: E402
 from social_fleet.ros.trajectory_tracker import TrajectoryTrackerParameters  # noqa: E402
 from social_fleet.simulation.config import LidarConfig  # noqa: E402
@@ -35,3 +37,13 @@ def test_the_lidar_has_its_defaults() -> None:
     shown = read_yaml(ROOT / "config" / "fake_robots_node.yaml")
     assert LidarConfig.from_mapping(shown["lidar"]) == LidarConfig()
     assert set(shown["lidar"]) == {field.name for field in dataclasses.fields(LidarConfig)}
+
+
+def test_a_scenario_goes_before_the_coordinators_parameters_unless_its_robots_might_touch(tmp_path: Path) -> None:
+    file, text = tmp_path / "one.yaml", (ROOT / "config" / "scenarios" / "crossing.yaml").read_text()
+    text = text.replace("../../maps", str(ROOT / "maps")).split("\ncoordination:")[0]
+    file.write_text(text + "\ncoordination: {time_margin: 2.5}\n")
+    assert as_scenario(FleetCoordinatorParameters(scenario=str(file))).time_margin == 2.5
+    file.write_text(text + "\ncoordination: {formulation: paper}\n")
+    with pytest.raises(InvalidScenario, match="coordination.formulation: must be exact"):
+        as_scenario(FleetCoordinatorParameters(scenario=str(file)))

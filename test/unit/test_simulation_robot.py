@@ -48,6 +48,22 @@ def test_stuck_it_stops_and_loses_nothing_else() -> None:
         assert robot.speed == pytest.approx(speed)
 
 
+def test_without_news_it_brakes_to_a_stop() -> None:
+    robot = DifferentialDriveRobot("gold", Pose(0.0, 0.0, 0.0), command_timeout=0.5)
+    speeds = []
+    for tick in range(60):
+        if tick <= 20:
+            robot.command(0.5, 0.2)
+        robot.step(0.05)
+        speeds.append(robot.speed)
+    assert speeds[20:30] == pytest.approx([0.5] * 10)  # half a second from the last command on
+    assert speeds[30:40] == pytest.approx([0.45 - 0.05 * step for step in range(10)])
+    assert set(speeds[40:]) == {0.0} and robot.turn_rate == 0.0
+    robot.command(0.5, 0.0)
+    robot.step(0.05)
+    assert robot.speed == pytest.approx(0.05)
+
+
 def test_odometry_is_the_truth_from_its_own_origin_or_drifts_by_its_seed() -> None:
     def drive(noise: float, seed: int) -> DifferentialDriveRobot:
         robot = DifferentialDriveRobot("gold", Pose(3.0, 4.0, math.pi / 2), odometry_noise=noise, seed=seed)

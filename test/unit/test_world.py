@@ -31,16 +31,16 @@ def test_robots_start_at_their_starts() -> None:
 
 def test_commands_move_those_they_are_for() -> None:
     world = World([GOLD, GREEN])
-    world.command({"gold": (0.5, 0.0)})
     for _ in range(40):
+        world.command({"gold": (0.5, 0.0)})
         world.step()
     assert world.now == 2.0 and world.poses()[0, 0] > 2.2 and world.poses()[1].tolist() == [4.5, 1.5, math.pi / 2]
 
 
 def test_a_pause_stands_and_ends() -> None:
     world, speeds = World([GOLD], faults=[Fault("gold", "pause", 1.0, 2.0)]), {}
-    world.command({"gold": (0.5, 0.0)})
     while world.now < 5.0:
+        world.command({"gold": (0.5, 0.0)})
         world.step()
         speeds[world.clock.tick] = world.robots["gold"].speed
     assert (speeds[20], speeds[40], speeds[59], speeds[80]) == (0.5, 0.0, 0.0, 0.5)

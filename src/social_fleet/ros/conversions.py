@@ -4,7 +4,7 @@ Schedules carry absolute time once, as the stamp of their header; all else is se
 """
 
 import math
-from typing import Any, List, Optional, Tuple, Type
+from typing import Any, List, Optional, Sequence, Tuple, Type
 
 import genpy
 import numpy as np
@@ -151,13 +151,6 @@ def plan_to_planned_path(plan: Plan, robot: str, max_speed: float, frame: str, s
     return message
 
 
-def robot_to_planned_path(robot: Robot, frame: str, stamp: genpy.Time) -> PlannedPath:
-    """A robot with its path, as a request to coordinate wants it."""
-    message = PlannedPath(header=Header(stamp=stamp, frame_id=frame), depart=robot.depart)
-    _fill_robot(message, robot, frame, stamp)
-    return message
-
-
 def robot_from_planned_path(message: PlannedPath, frame: str) -> Robot:
     """Raises InvalidInput (or its InvalidScenario) that names the robot and the field."""
     return _robot_from(message, frame, message.depart)
@@ -167,10 +160,20 @@ def schedule_to_message(schedule: Schedule, frame: str, time_zero: genpy.Time) -
     """A schedule whose times count from `time_zero`."""
     message = ScheduleMessage(header=Header(stamp=time_zero, frame_id=frame), version=schedule.version,
                               arc_lengths=schedule.arc_lengths.tolist(), times=schedule.times.tolist())
-    _fill_robot(message, schedule.robot, frame, time_zero)
-    message.precedences = [PrecedenceMessage(at=item.at, other=item.other, other_at=item.other_at,
-                                             other_version=item.other_version) for item in schedule.precedences]
+    robot = schedule.robot
+    message.robot, message.max_speed, message.radius = robot.name, robot.max_speed, robot.body_radius
+    message.path = path_to_message(robot.path.points, robot.goal.yaw, frame, time_zero)
+    message.start_orientation = yaw_to_quaternion(robot.start.yaw)
+    for name in _LIMITS:
+        setattr(message, name, getattr(robot, name))
+    message.precedences = precedences_to_messages(schedule.precedences)
     return message
+
+
+def precedences_to_messages(precedences: Sequence[Precedence]) -> List[PrecedenceMessage]:
+    """What a schedule message holds of them."""
+    return [PrecedenceMessage(at=item.at, other=item.other, other_at=item.other_at, other_version=item.other_version)
+            for item in precedences]
 
 
 def schedule_from_message(message: ScheduleMessage, frame: str) -> Schedule:
@@ -198,14 +201,6 @@ def window_from_message(message: WindowMessage) -> EncounterWindow:
         raise InvalidInput(f"kind {message.kind} is none of an EncounterWindow's constants")
     return EncounterWindow(message.robot_r, message.robot_s, names[message.kind], message.r_enter, message.r_exit,
                            message.s_enter, message.s_exit, message.first)
-
-
-def _fill_robot(message: Any, robot: Robot, frame: str, stamp: genpy.Time) -> None:
-    message.robot, message.max_speed, message.radius = robot.name, robot.max_speed, robot.body_radius
-    message.path = path_to_message(robot.path.points, robot.goal.yaw, frame, stamp)
-    message.start_orientation = yaw_to_quaternion(robot.start.yaw)
-    for name in _LIMITS:
-        setattr(message, name, getattr(robot, name))
 
 
 def _robot_from(message: Any, frame: str, depart: float) -> Robot:

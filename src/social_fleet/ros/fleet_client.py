@@ -74,7 +74,8 @@ class FleetClient:
                 time_limit=scenario.coordination.time_limit)))
             if answers[-1].status != CoordinateResponse.SUCCESS:
                 raise Refused(f"no schedule: {answers[-1].message}")
-            schedules = schedules + answers[-1].schedules
+            amended = {message.robot: message for message in answers[-1].amended}
+            schedules = [amended.get(message.robot, message) for message in schedules] + answers[-1].schedules
             windows += answers[-1].windows
         fleet = FleetSchedule(
             tuple(conversions.schedule_from_message(message, self._frame) for message in schedules),

@@ -1,8 +1,9 @@
 """The node fleet_coordinator: schedules that keep the fleet apart, and their distribution."""
 
+import copy
 import threading
 from dataclasses import dataclass, replace
-from typing import List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 import genpy
 import rospy
@@ -12,9 +13,11 @@ from rospy.numpy_msg import numpy_msg
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.repair import PlannerReplanner
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
+from social_fleet.errors import InvalidScenario
 from social_fleet.msg import EncounterWindow, Progress, Schedule as ScheduleMessage
 from social_fleet.parameters import parameter
 from social_fleet.ros import conversions, parameters
+from social_fleet.ros.admission import check_all_considered, check_clear, next_version
 from social_fleet.ros.paths import resolve_path
 from social_fleet.ros.planning_fleet import PlanningFleet, read_config
 from social_fleet.ros.repeating_publisher import RepeatingPublisher
@@ -28,7 +31,7 @@ class FleetCoordinatorParameters:
     """Parameters of the node; all others in its namespace are those of `PlannerConfig`, for repairs."""
 
     map_frame: str = "map"
-    formulation: str = parameter("exact", choices=("exact", "paper"))
+    formulation: str = parameter("exact", choices=("exact",))  # paper schedules touch, and nothing holds robots to them
     time_margin: float = parameter(1.0, minimum=0.0)  # delta, for requests that leave theirs at 0 [s]
     time_limit: float = parameter(30.0, above=0.0)  # for requests that leave theirs at 0 [s, wall time]
     tracking_tolerance: float = parameter(0.1, minimum=0.0)  # how far a robot may be from its schedule [m]
@@ -41,7 +44,8 @@ class FleetCoordinator:
     """Coordinates on request, and keeps every tracker supplied with its schedule.
 
     Subscribers
-        fleet/progress (Progress): a robot on an older schedule than its present one is sent that again.
+        fleet/progress (Progress): a robot on an older schedule than its present one is sent that again; one that may
+        move must be part of every request.
         map (nav_msgs/OccupancyGrid): for repairs.
     Publishers
         fleet/schedules (Schedule), fleet/windows (EncounterWindow): sent again to late subscribers.
@@ -54,12 +58,11 @@ class FleetCoordinator:
     def __init__(self) -> None:
         self._config, others = parameters.split_private(FleetCoordinatorParameters)
         if self._config.scenario:
-            options = load_scenario(resolve_path(self._config.scenario)).coordination
-            self._config = replace(self._config, formulation=options.formulation, time_limit=options.time_limit,
-                                   time_margin=options.time_margin, tracking_tolerance=options.tracking_tolerance)
+            self._config = as_scenario(self._config)
         self._planner_config, _ = read_config(others, self._config.scenario, parameters.private_prefix())
         self._version = 0
-        self._lock = threading.Lock()  # of the map and what is made of it
+        self._lock = threading.Lock()  # of the map, what is made of it, and progress
+        self._progress: Dict[str, Progress] = {}
         self._map: Optional[GridMessage] = None
         self._planners: Optional[PlanningFleet] = None
         self._coordinating = threading.Lock()
@@ -77,6 +80,8 @@ class FleetCoordinator:
 
     def _hear_progress(self, message: Progress) -> None:
         """Schedules are sent as they come into force; what got lost shows here."""
+        with self._lock:
+            self._progress[message.robot] = message
         schedule = self._schedules.last(message.robot)
         if schedule is not None and message.schedule_version < schedule.version \
                 and (message.header.stamp - schedule.header.stamp).to_sec() > 0.0:
@@ -92,17 +97,22 @@ class FleetCoordinator:
                 rospy.logwarn("no schedule: %s", error)
                 return CoordinateResponse(status=status_of(error, COORDINATE_STATUSES),
                                           message=str(error) or type(error).__name__)
-            schedules, windows = self._put_in_force(fleet, time_zero)
+            schedules, amended, windows = self._put_in_force(fleet, time_zero, request.fixed)
         rospy.loginfo("scheduled %d robots, %d windows: encounters %.3f s, program %.3f s%s", len(schedules),
                       len(windows), fleet.encounter_time, fleet.solve_time,
                       f", repairs {fleet.planning_time:.3f} s ({fleet.message})" if fleet.message else "")
         return CoordinateResponse(status=CoordinateResponse.SUCCESS, message=fleet.message, schedules=schedules,
-                                  windows=windows, solve_time=fleet.encounter_time + fleet.solve_time,
-                                  objective=fleet.objective, gap=fleet.gap)
+                                  amended=amended, windows=windows, objective=fleet.objective, gap=fleet.gap,
+                                  solve_time=fleet.encounter_time + fleet.solve_time)
 
     def _coordinate(self, request: CoordinateRequest) -> Tuple[FleetSchedule, Optional[genpy.Time]]:
-        """Schedules and their time zero; that is decided only now when nothing is fixed."""
+        """Schedules that may come into force, and their time zero; None when nothing is fixed: it is decided then."""
         frame, config = self._config.map_frame, self._config
+        with self._lock:
+            progress = list(self._progress.values())
+        check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]])
+        self._version = next_version([self._version, *(news.schedule_version for news in progress),
+                                      *(message.version for message in request.fixed)])
         robots = [conversions.robot_from_planned_path(item, frame) for item in request.planning]
         time_zero, fixed = self._read_fixed(request.fixed)
         if time_zero is not None:
@@ -113,7 +123,8 @@ class FleetCoordinator:
                            formulation=config.formulation, time_margin=request.time_margin or config.time_margin,
                            tracking_tolerance=config.tracking_tolerance,
                            time_limit=request.time_limit or config.time_limit, replanner=replanner,
-                           version=self._version + 1)
+                           version=self._version)
+        check_clear(fleet.schedules, fixed)
         return fleet, time_zero
 
     def _read_fixed(self, messages: List[ScheduleMessage]) -> Tuple[Optional[genpy.Time], List[Schedule]]:
@@ -131,15 +142,37 @@ class FleetCoordinator:
                 self._planners = PlanningFleet(conversions.grid_from_message(self._map), self._planner_config)
             return self._planners.planner(radius)
 
-    def _put_in_force(self, fleet: FleetSchedule,
-                      time_zero: Optional[genpy.Time]) -> Tuple[List[ScheduleMessage], List[EncounterWindow]]:
-        """Publish, remember and return the messages."""
+    def _put_in_force(self, fleet: FleetSchedule, time_zero: Optional[genpy.Time], fixed: List[ScheduleMessage]
+                      ) -> Tuple[List[ScheduleMessage], List[ScheduleMessage], List[EncounterWindow]]:
+        """Publish, remember and return the messages: schedules, amended ones, windows."""
         zero = time_zero or rospy.Time.now() + rospy.Duration(self._config.start_delay)
-        self._version += 1
         schedules = [conversions.schedule_to_message(schedule, self._config.map_frame, zero)
                      for schedule in fleet.schedules]
         windows = [conversions.window_to_message(window, self._version) for window in fleet.windows]
-        self._schedules.publish({message.robot: message for message in schedules}, replace=time_zero is None)
+        amended = _amended(fixed, fleet.amended)
+        self._schedules.publish({message.robot: message for message in schedules + amended}, replace=time_zero is None)
         self._windows.publish({(self._version, index): message for index, message in enumerate(windows)},
                               replace=time_zero is None)
-        return schedules, windows
+        return schedules, amended, windows
+
+
+def as_scenario(config: FleetCoordinatorParameters) -> FleetCoordinatorParameters:
+    """What the scenario file says of coordination, put before the parameters."""
+    path = resolve_path(config.scenario)
+    options = load_scenario(path).coordination
+    if options.formulation != config.formulation:
+        raise InvalidScenario(f"must be {config.formulation} to be put in force, not {options.formulation}, whose "
+                              "schedules let robots touch", source=str(path), field="coordination.formulation")
+    return replace(config, time_limit=options.time_limit, time_margin=options.time_margin,
+                   tracking_tolerance=options.tracking_tolerance)
+
+
+def _amended(given: List[ScheduleMessage], amended: Tuple[Schedule, ...]) -> List[ScheduleMessage]:
+    """The given messages with the precedences that they have now; all else stays as it is to the last bit."""
+    originals = {message.robot: message for message in given}
+    messages = []
+    for schedule in amended:
+        message = copy.copy(originals[schedule.name])
+        message.precedences = conversions.precedences_to_messages(schedule.precedences)
+        messages.append(message)
+    return messages

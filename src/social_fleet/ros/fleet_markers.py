@@ -79,8 +79,12 @@ class FleetMarkers:
 
     def _hear_window(self, message: WindowMessage) -> None:
         """Windows of older coordinations leave when a robot of theirs has a newer schedule."""
-        with self._lock:
+        try:
             window = conversions.window_from_message(message)
+        except InvalidInput as error:
+            rospy.logwarn_throttle(10.0, "a window is not shown: %s" % error)
+            return
+        with self._lock:
             key = (message.version, window.robot_r, window.robot_s, window.r_enter, window.s_enter)
             self._windows[key] = window
             self._changed = True

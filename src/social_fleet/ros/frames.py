@@ -1,7 +1,8 @@
 """Where a frame is in the map, by tf2."""
 
-from typing import Optional
+from typing import Optional, Tuple
 
+import genpy
 import rospy
 import tf2_ros
 
@@ -21,8 +22,13 @@ class Frames:
 
     def pose_of(self, frame: str) -> Pose:
         """The newest pose of `frame` in the map; raises UnknownFrame when tf knows none."""
+        return self.stamped_pose_of(frame)[0]
+
+    def stamped_pose_of(self, frame: str) -> Tuple[Pose, Optional[genpy.Time]]:
+        """As `pose_of`, with the time of the oldest transform on the way; None when all of them are static."""
         try:
-            return pose_from_transform(self._buffer.lookup_transform(self.map_frame, frame, rospy.Time()).transform)
+            transform = self._buffer.lookup_transform(self.map_frame, frame, rospy.Time())
+            return pose_from_transform(transform.transform), transform.header.stamp or None
         except tf2_ros.TransformException as error:
             raise UnknownFrame(f"tf knows no way from '{self.map_frame}' to '{frame}': {error}") from error
 

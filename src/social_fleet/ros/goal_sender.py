@@ -1,5 +1,6 @@
 """One goal for one robot by hand: plan from where it is, coordinate round the robots that stand about, let it drive."""
 
+import copy
 import time
 from typing import Dict, List
 
@@ -12,17 +13,21 @@ from social_fleet.errors import InvalidInput, NotReady
 from social_fleet.geometry import Pose
 from social_fleet.msg import PlannedPath, Progress
 from social_fleet.ros import conversions
+from social_fleet.ros.admission import stands_for_good
 from social_fleet.ros.fleet_client import Refused
 from social_fleet.ros.frames import Frames
 from social_fleet.srv import (Coordinate, CoordinateRequest, CoordinateResponse, PlanPath, PlanPathRequest,
                               PlanPathResponse)
 
-_MOVING = (Progress.TURNING, Progress.DRIVING, Progress.HOLDING)
 _LISTEN = 1.0  # how long to listen for the fleet before asking [s, wall time]
+_TF_PATIENCE = 2.0  # for tf to tell where a robot is [s, wall time]
 
 
 class GoalSender:
     """Sends a robot to a goal while the others stand.
+
+    Radius and speed of a robot are those that the planner announced last. A robot that nothing was announced of counts
+    as large as the one that is sent: where the fleet is of several sizes, have every robot planned for once before.
 
     Subscribers
         fleet/progress (Progress): who is there and who moves; fleet/paths (PlannedPath): radii and speeds; tf.
@@ -51,7 +56,7 @@ class GoalSender:
         Raises
         ------
         InvalidInput
-            There is no such robot, or another one is under way.
+            There is no such robot, it is under way, or another one may move by an earlier schedule.
         Refused
             The planner or the coordinator says no; the message is theirs.
         NotReady
@@ -61,34 +66,47 @@ class GoalSender:
         if robot not in self._progress:
             known = ", ".join(sorted(self._progress)) or "none at all"
             raise InvalidInput(f"no tracker reports for robot '{robot}'; there are: {known}")
-        moving = sorted(name for name, news in self._progress.items() if news.state in _MOVING)
-        if moving:
-            raise InvalidInput(f"{', '.join(moving)} is under way; wait until it has arrived")
-        answer = self._plan(PlanPathRequest(robot=robot, goal=conversions.pose_to_stamped(goal, "map")))
+        self._check_standing(robot)
+        start = self._frames.await_pose_of(f"{robot}/base_link", _TF_PATIENCE)
+        answer = self._plan(PlanPathRequest(robot=robot, start=conversions.pose_to_stamped(start, "map"),
+                                            goal=conversions.pose_to_stamped(goal, "map")))
         if answer.status != PlanPathResponse.SUCCESS:
             raise Refused(f"no path for {robot}: {answer.message}")
-        request = CoordinateRequest(planning=[self._announced(robot)], fixed=self._parked(robot),
+        path = self._planned(robot, start, answer)
+        request = CoordinateRequest(planning=[path], fixed=self._parked(robot, path.radius),
                                     time_margin=1.0, time_limit=self._patience)
         schedules = self._coordinate(request)
         if schedules.status != CoordinateResponse.SUCCESS:
             raise Refused(f"no schedule for {robot}: {schedules.message}")
         return float(schedules.schedules[0].times[-1])
 
-    def _announced(self, robot: str) -> PlannedPath:
-        """What the planner told the fleet about the path, the robot's size and speed with it."""
+    def _check_standing(self, robot: str) -> None:
+        """Refuse while anybody moves or may start to; only `robot` itself may be one that stopped on its way."""
+        moving = sorted(name for name, news in self._progress.items() if not stands_for_good(news)
+                        and not (name == robot and news.state == Progress.STOPPED))
+        if moving:
+            what = ", ".join(f"{name} ({_state(self._progress[name])})" for name in moving)
+            raise InvalidInput(f"{what} may move by an earlier schedule; wait until it has arrived, or send it first "
+                               "where it is stopped")
+
+    def _planned(self, robot: str, start: Pose, answer: PlanPathResponse) -> PlannedPath:
+        """The path that was asked for, with the size and speed that the planner announces for the robot."""
         deadline = time.monotonic() + self._patience
         while robot not in self._paths:
             if time.monotonic() > deadline:
                 raise NotReady(f"the planner did not announce the path of {robot} on fleet/paths")
             rospy.rostime.wallsleep(0.02)
-        return self._paths[robot]
+        message = copy.copy(self._paths[robot])
+        message.header, message.path, message.temporary = answer.path.header, answer.path, answer.temporary
+        message.start_orientation = conversions.yaw_to_quaternion(start.yaw)
+        return message
 
-    def _parked(self, robot: str) -> List:
-        """The others as schedules that stand still; a robot not planned for yet counts as large as this one."""
-        radius, now = self._paths[robot].radius, rospy.Time.now()
+    def _parked(self, robot: str, radius: float) -> List:
+        """The others as schedules that stand still."""
+        now = rospy.Time.now()
         parked = []
         for name in sorted(set(self._progress) - {robot}):
-            pose = self._frames.await_pose_of(f"{name}/base_link", 2.0)
+            pose = self._frames.await_pose_of(f"{name}/base_link", _TF_PATIENCE)
             size = self._paths[name].radius if name in self._paths else radius
             body = Robot(name, np.array([[pose.x, pose.y]]), radius=size, start_yaw=pose.yaw, goal_yaw=pose.yaw)
             still = Schedule(body, np.zeros(1), np.zeros(1), version=self._progress[name].schedule_version)
@@ -100,3 +118,9 @@ class GoalSender:
 
     def _on_path(self, message: PlannedPath) -> None:
         self._paths[message.robot] = message
+
+
+def _state(news: Progress) -> str:
+    """The state's name, as the message has it."""
+    names = {getattr(Progress, name): name.lower() for name in dir(Progress) if name.isupper()}
+    return names.get(news.state, str(news.state))

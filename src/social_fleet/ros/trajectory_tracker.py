@@ -2,7 +2,7 @@
 
 import threading
 from dataclasses import dataclass
-from typing import Dict, Optional
+from typing import Dict, Optional, Tuple
 
 import genpy
 import rospy
@@ -32,7 +32,7 @@ class TrajectoryTrackerParameters:
     robot: str = ""  # the robot's name in schedules; empty: the last part of the node's namespace
     map_frame: str = "map"
     progress_rate: float = parameter(10.0, above=0.0)  # of fleet/progress while there is news [Hz]
-    odom_timeout: float = parameter(0.5, above=0.0)  # odometry older than this stops the robot [s]
+    odom_timeout: float = parameter(0.5, above=0.0)  # without odometry for so long the robot stops [s]
 
 
 class TrajectoryTracker:
@@ -58,6 +58,7 @@ class TrajectoryTracker:
         self._lock = threading.Lock()
         self._tracker = Tracker(config=config)
         self._time_zero = genpy.Time()
+        self._followed: Optional[Schedule] = None
         self._others: Dict[str, ReportedProgress] = {}
         self._stopped = False
         self._heard_odom: Optional[float] = None
@@ -73,7 +74,7 @@ class TrajectoryTracker:
         rospy.Timer(rospy.Duration(0.5 * self._config.odom_timeout), self._watch)
 
     def _hear_schedule(self, message: Schedule) -> None:
-        """Take up a schedule of this robot; the same one again changes nothing."""
+        """Take up a schedule of this robot: a newer one, or other precedences of the same one."""
         if message.robot != self.robot:
             return
         try:
@@ -82,14 +83,28 @@ class TrajectoryTracker:
             rospy.logerr("the schedule was not taken up: %s", error)
             return
         with self._lock:
-            current = self._tracker.schedule
-            if current is not None and (message.version, message.header.stamp) == (current.version, self._time_zero):
+            if self._followed is not None and not self._supersedes(message, self._followed):
                 return
+            self._followed = message
             self._time_zero = message.header.stamp
             self._tracker.follow(schedule)
             self._reported = None
         rospy.loginfo("%s: took up schedule %d, %.1f m in %.1f s, %d precedences", self.robot, schedule.version,
                       schedule.robot.path.length, schedule.arrival_time, len(schedule.precedences))
+
+    def _supersedes(self, new: Schedule, old: Schedule) -> bool:
+        """Whether `new` has anything to say to a robot that follows `old`; what cannot be right is logged."""
+        if new.version > old.version:
+            return True
+        if new.version < old.version:
+            rospy.logwarn("%s: schedule %d came after schedule %d and is not taken up", self.robot, new.version,
+                          old.version)
+            return False
+        if _motion(new) != _motion(old):
+            rospy.logerr("%s: another motion has the version %d of the present one and is not taken up", self.robot,
+                         new.version)
+            return False
+        return new.precedences != old.precedences
 
     def _hear_progress(self, message: Progress) -> None:
         if message.robot != self.robot:
@@ -99,21 +114,25 @@ class TrajectoryTracker:
 
     def _hear_odom(self, message: Odometry) -> None:
         with self._lock:
-            self._heard_odom = message.header.stamp.to_sec()
-            self._step(message.header.stamp, self._pose(message))
+            self._heard_odom = rospy.get_time()
+            self._step(message.header.stamp, *self._pose(message))
 
-    def _pose(self, odom: Odometry) -> Optional[Pose]:
-        """The pose in the map: where odometry is there, and the robot in it; None when either is unknown."""
+    def _pose(self, odom: Odometry) -> Tuple[Optional[Pose], Optional[genpy.Time]]:
+        """The pose in the map: where odometry is there, and the robot in it; None when either is unknown.
+
+        With it the time that it is from: the older one of both.
+        """
         try:
-            frame = self._frames.pose_of(conversions.frame_name(odom.header.frame_id))
-            return compose(frame, conversions.pose_from_message(odom.pose.pose, "odometry"))
+            frame, stamp = self._frames.stamped_pose_of(conversions.frame_name(odom.header.frame_id))
+            pose = compose(frame, conversions.pose_from_message(odom.pose.pose, "odometry"))
         except InvalidInput as error:
             if self._tracker.schedule is not None:
                 rospy.logwarn_throttle(10.0, "%s: no pose: %s" % (self.robot, error))
-            return None
+            return None, None
+        return pose, odom.header.stamp if stamp is None else min(stamp, odom.header.stamp)
 
     def _watch(self, _event: rospy.timer.TimerEvent) -> None:
-        """Brake when odometry has ceased."""
+        """Brake when odometry has ceased to come, whatever its stamps say."""
         now = rospy.Time.now()
         with self._lock:
             if self._heard_odom is not None and now.to_sec() - self._heard_odom > self._config.odom_timeout:
@@ -121,13 +140,14 @@ class TrajectoryTracker:
                     self.robot, now.to_sec() - self._heard_odom))
                 self._step(now, None)
 
-    def _step(self, stamp: genpy.Time, pose: Optional[Pose]) -> None:
+    def _step(self, stamp: genpy.Time, pose: Optional[Pose], measured: Optional[genpy.Time] = None) -> None:
         """Command for the period that begins at `stamp`, and report when it is time to."""
         if self._stopped:
             return
         now = self._seconds(stamp)
         reference = self._tracker.reference or pose  # of this moment: `step` moves it on
-        command = self._tracker.step(now, pose, self._others)
+        command = self._tracker.step(now, pose, self._others,
+                                     pose_stamp=None if measured is None else self._seconds(measured))
         self._cmd_vel.publish(conversions.twist_to_message(command.speed, command.turn_rate))
         if self._reported is None or self._tracker.state != self._reported.state:
             self._log_change()
@@ -176,3 +196,8 @@ class TrajectoryTracker:
         with self._lock:
             self._stopped = True
             self._cmd_vel.publish(Twist())
+
+
+def _motion(message: Schedule) -> Tuple:
+    """What two schedules of one version have to share."""
+    return message.header.stamp, message.path.poses, message.arc_lengths, message.times

@@ -49,6 +49,7 @@ class SimulationConfig:
     """
 
     period: float = parameter(0.05, above=0.0, maximum=0.5)  # of the simulation's steps [s]
+    command_timeout: float = parameter(0.5, above=0.0)  # without a new command for so long a robot brakes [s]
     odometry_noise: float = parameter(0.0, minimum=0.0, maximum=0.5)  # relative, of distance and angle [-]
     position_error: float = parameter(0.0, minimum=0.0)  # bound of localisation's error [m]
     heading_error: float = parameter(0.0, minimum=0.0)  # [rad]

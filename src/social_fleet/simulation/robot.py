@@ -28,6 +28,8 @@ class DifferentialDriveRobot:
         Standard deviation of the odometry's relative error, of distance and angle alike, drawn anew every step.
     seed : int
         Of that noise.
+    command_timeout : float
+        Without a new command for so long it brakes to a stop [s].
 
     Attributes
     ----------
@@ -42,7 +44,7 @@ class DifferentialDriveRobot:
     """
 
     def __init__(self, name: str, pose: Pose, *, radius: float = 0.25, limits: MotionLimits = MotionLimits(),
-                 odometry_noise: float = 0.0, seed: int = 0) -> None:
+                 odometry_noise: float = 0.0, seed: int = 0, command_timeout: float = math.inf) -> None:
         self.name = name
         self.pose = pose
         self.radius = radius
@@ -54,14 +56,20 @@ class DifferentialDriveRobot:
         self._noise = odometry_noise
         self._random = random.Random(f"{seed}/{name}")
         self._command: Tuple[float, float] = (0.0, 0.0)
+        self._command_timeout = command_timeout
+        self._command_age = 0.0
 
     def command(self, speed: float, turn_rate: float) -> None:
         """Take a velocity [m/s, rad/s] to strive for from the next step on."""
         self._command = (speed, turn_rate)
+        self._command_age = 0.0
 
     def step(self, period: float) -> None:
         """Move for `period` seconds."""
         limits = self.limits
+        if self._command_age > self._command_timeout - 0.5 * period:  # ages are sums of rounded periods
+            self._command = (0.0, 0.0)
+        self._command_age += period
         speed, turn_rate = self._command
         self.speed = _towards(self.speed, speed * self.speed_share, limits.max_speed,
                               limits.max_acceleration * period)

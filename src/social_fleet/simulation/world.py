@@ -50,7 +50,7 @@ class World:
                 raise InvalidScenario(f"two robots are named {robot.name}; give each its own name", field="robots")
             self.robots[robot.name] = DifferentialDriveRobot(
                 robot.name, robot.start, radius=robot.body_radius, limits=robot.limits,
-                odometry_noise=config.odometry_noise, seed=config.seed)
+                odometry_noise=config.odometry_noise, seed=config.seed, command_timeout=config.command_timeout)
         self._localisations = {name: Localisation(config.position_error, config.heading_error, seed=config.seed,
                                                   name=name) for name in self.robots}
         self._faults: Dict[str, List[Fault]] = {}
