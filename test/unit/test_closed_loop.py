@@ -3,12 +3,18 @@
 import numpy as np
 import pytest
 from driving import crossing, schedule_of
+from repository import ROOT
 from worlds import grid_from_text
 
 from social_fleet.coordination.schedule import FleetSchedule
-from social_fleet.scenario.closed_loop import ClosedLoop, simulate
+from social_fleet.mapping.files import load_map
+from social_fleet.scenario.closed_loop import ClosedLoop, simulate, simulate_scenario
+from social_fleet.scenario.fleet import coordinate_scenario
+from social_fleet.scenario.random_fleet import random_scenario
 from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
+
+WILLOW = ROOT.parent / "shared" / "maps" / "willow-full-0.05.yaml"
 
 
 def test_without_faults_all_arrive_on_time() -> None:
@@ -48,6 +54,13 @@ def test_a_bounded_localisation_error_is_survived() -> None:
     assert all(robot.max_tracking_error < 0.15 for robot in report.robots)
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_pause_under_a_localisation_error_does_not_hold_anyone_for_ever(seed: int) -> None:
+    report, _ = simulate(crossing(), config=SimulationConfig(position_error=0.05, heading_error=0.03, seed=seed),
+                         faults=[Fault("gold", "pause", 5.0, 20.0)])
+    assert report.passed and report.min_clearance is not None and report.min_clearance > 0.0
+
+
 def test_an_obstacle_is_waited_for() -> None:
     report, recording = simulate(crossing(), obstacles=[CircleObstacle(3.0, 5.0, 0.3, disappears=20.0)])
     assert report.passed and report.collisions == ()
@@ -65,6 +78,15 @@ def test_a_wall_across_the_path_is_a_contact() -> None:
     grid = grid_from_text("\n".join(["............", "............", "......#....."] + ["............"] * 9))
     report, _ = simulate(FleetSchedule((schedule_of([(1, 9.5), (11, 9.5)]),)), grid)
     assert [contact.kind for contact in report.collisions] == ["wall"] and report.min_clearance is None
+
+
+@pytest.mark.skipif(not WILLOW.exists(), reason="the Willow map does not lie next to the repository")
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_random_fleet_on_the_willow_map_keeps_to_its_schedule(seed: int) -> None:
+    grid = load_map(WILLOW)
+    scenario = random_scenario(grid, 6, seed=seed, map_name=WILLOW.name, map_path=str(WILLOW))
+    report, _ = simulate_scenario(scenario, coordinate_scenario(scenario, grid), grid)
+    assert report.passed, report.failures
 
 
 def test_the_same_seed_gives_the_same_run() -> None:

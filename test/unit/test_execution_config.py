@@ -5,9 +5,11 @@ from dataclasses import asdict
 import pytest
 from repository import ROOT
 
+from social_fleet.coordination.driven_path import CUT
 from social_fleet.errors import InvalidParameter
 from social_fleet.execution.config import TrackerConfig
 from social_fleet.files import read_yaml
+from social_fleet.scenario.scenario import Coordination
 from social_fleet.simulation.config import LidarConfig, SimulationConfig
 
 
@@ -24,9 +26,16 @@ def test_the_manual_of_the_simulation_shows_every_default() -> None:
     assert {name: shown[name] for name in asdict(SimulationConfig())} == asdict(SimulationConfig())
 
 
+def test_the_tracker_stays_within_what_the_coordination_leaves_it() -> None:
+    """The budget of doc/execution.md: two robots at their limits, one released too early, do not touch."""
+    config = TrackerConfig.from_mapping(read_yaml(ROOT / "config" / "tracker.yaml"))
+    spent = config.lateral_limit + 0.5 * config.release_tolerance + CUT
+    assert spent <= Coordination().tracking_tolerance + 1e-12
+
+
 @pytest.mark.parametrize("values, field", [
     ({"period": 0.0}, "period"), ({"lag_begin": 0.2}, "lag_end"), ({"standoff": 0.04}, "release_tolerance"),
-    ({"gain": 1.0}, "gain")])
+    ({"deviation_limit": 0.1}, "deviation_limit"), ({"gain": 1.0}, "gain")])
 def test_a_tracker_refuses_what_contradicts_itself(values: dict, field: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         TrackerConfig.from_mapping(values, prefix="/gold/tracker/")

@@ -8,6 +8,8 @@ from driving import schedule_of
 from worlds import grid_from_text
 
 from social_fleet.errors import InvalidInput
+from social_fleet.geometry import Pose
+from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario import judge
 from social_fleet.scenario.recording import Recorder, Recording
 from social_fleet.simulation.faults import CircleObstacle
@@ -50,6 +52,22 @@ def test_a_wall_is_touched_by_the_disc_not_by_its_centre() -> None:
     gaps = judge.wall_clearance(run, 0, 0.3, HALL)
     assert gaps.tolist() == pytest.approx([0.2, -0.1, -0.1])
     assert len(judge.contacts(run, gaps, "wall", ("a",))) == 1
+
+
+def test_the_wall_check_is_brute_force_over_every_blocked_square() -> None:
+    random = np.random.RandomState(3)
+    blocked = random.uniform(size=(14, 17)) < 0.12
+    grid = OccupancyGrid(np.where(blocked, 100, 0), 0.1, Pose(-0.4, 0.3, 0.5))
+    local = random.uniform(-0.2, 1.9, size=(40, 2))
+    run = recording(grid.from_local(local).tolist())
+    gaps = judge.wall_clearance(run, 0, 0.05, grid)
+    padded = np.pad(blocked, 12, mode="constant", constant_values=True)
+    corners = (np.argwhere(padded)[:, ::-1] - 12) * 0.1
+    for gap, begin, end in zip(gaps, local, local[1:]):
+        points = begin + np.linspace(0.0, 1.0, 801)[:, None] * (end - begin)
+        outside = np.maximum(np.maximum(corners - points[:, None], points[:, None] - corners - 0.1), 0.0)
+        exact = min(float(np.hypot(outside[:, :, 0], outside[:, :, 1]).min()), 0.55) - 0.05
+        assert exact - 2e-3 <= gap <= exact + 0.005 + 1e-3
 
 
 def test_touching_exactly_is_no_overlap() -> None:

@@ -4,9 +4,11 @@ import math
 from itertools import combinations
 
 import pytest
+from repository import ROOT
 from worlds import grid_from_text
 
 from social_fleet.errors import InvalidScenario
+from social_fleet.scenario.files import load_scenario
 from social_fleet.scenario.fleet import plan_fleet
 from social_fleet.scenario.scenario import Scenario
 from social_fleet.scenario.random_fleet import random_scenario
@@ -28,6 +30,11 @@ def test_starts_and_goals_have_room() -> None:
 
 def test_every_goal_can_be_reached() -> None:
     assert len(plan_fleet(draw(6, seed=2), HALL)) == 6
+
+
+def test_they_are_held_to_what_the_shipped_scenarios_are_held_to() -> None:
+    shipped = load_scenario(ROOT / "config" / "scenarios" / "head_on.yaml")
+    assert draw(2, seed=1).expect == shipped.expect
 
 
 def test_the_seed_decides() -> None:

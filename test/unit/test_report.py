@@ -81,6 +81,13 @@ def test_lateness_and_tracking_error_can_be_expected() -> None:
     assert not judge(GOOD, FLEET, Expect(max_tracking_error=-1.0)).passed
 
 
+def test_arriving_too_early_fails_like_arriving_too_late() -> None:
+    scheduled = FLEET["gold"].arrival_time
+    early = Recording(GOOD.names, GOOD.times / GOOD.duration * 0.5 * scheduled, GOOD.poses)
+    failures = judge(early, FLEET, Expect(max_lateness=0.3 * scheduled)).failures
+    assert any("gold" in failure and "early" in failure for failure in failures)
+
+
 def test_unknown_robots_are_refused() -> None:
     with pytest.raises(InvalidScenario, match="no robot blue"):
         judge(GOOD, FLEET, Expect(arrived=("blue",)))

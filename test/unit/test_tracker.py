@@ -109,11 +109,55 @@ def test_no_fresh_pose_or_too_far_off_is_a_standstill(pose: Pose, stamp: float) 
     assert np.diff(speeds[:10]) == pytest.approx(-PERIOD * LIMITS.max_acceleration)
 
 
-def test_a_robot_moved_along_its_path_drives_on_from_there() -> None:
-    tracker, pose = moving_tracker(), Pose(2.0, 0.0, 0.0)
-    for tick in range(100, 700):
+def test_a_robot_moved_forward_along_its_path_drives_on_from_there() -> None:
+    tracker, pose = moving_tracker(), Pose(4.0, 0.0, 0.0)
+    assert tracker.step(100 * PERIOD, pose, {}).speed < 0.7 and tracker.state is ProgressState.STOPPED
+    for tick in range(101, 700):
         pose = integrate(pose, tracker.step(tick * PERIOD, pose, {}), pieces=20)
     assert tracker.arrived and pose.x == pytest.approx(10.0, abs=0.02)
+
+
+@pytest.mark.parametrize("back", [0.4, 1.0])
+def test_a_robot_moved_behind_its_reported_progress_stands_until_it_gets_another_path(back: float) -> None:
+    tracker = moving_tracker()
+    reported = tracker.progress
+    pose = Pose(reported - 0.25 - back, 0.0, 0.0)  # 0.25 m is its way until it stands
+    for tick in range(100, 700):
+        pose = integrate(pose, tracker.step(tick * PERIOD, pose, {}), pieces=20)
+    assert tracker.state is ProgressState.STOPPED and "behind the progress" in tracker.reason
+    assert tracker.progress == reported and pose.x < reported - 0.2
+    tracker.follow(schedule_of([(pose.x, 0), (10, 0)], wait=35.0))
+    for tick in range(700, 1400):
+        pose = integrate(pose, tracker.step(tick * PERIOD, pose, {}), pieces=20)
+    assert tracker.arrived
+
+
+@pytest.mark.parametrize("aside", [0.08, -0.13])
+def test_a_robot_aside_of_its_path_stops_creeps_back_and_drives_on(aside: float) -> None:
+    tracker, states = moving_tracker(), []
+    assert tracker.reference is not None
+    pose = Pose(tracker.reference.x, aside, 0.0)
+    for tick in range(100, 900):
+        pose = integrate(pose, tracker.step(tick * PERIOD, pose, {}), pieces=20)
+        states.append(tracker.state)
+        assert abs(pose.y) <= abs(aside) + 0.01
+    assert states[0] is ProgressState.STOPPED and tracker.arrived and abs(pose.y) < 0.03
+
+
+def test_a_robot_that_lags_on_its_path_is_only_late() -> None:
+    tracker, pose = moving_tracker(), None
+    for tick in range(100, 130):  # a wheel that slips: the robot stands where it had come to
+        pose = pose or Pose(tracker.progress, 0.0, 0.0)
+        tracker.step(tick * PERIOD, pose, {})
+        assert tracker.excursion < 0.02 and tracker.state is ProgressState.DRIVING
+
+
+def test_a_stalled_process_brakes_first() -> None:
+    tracker = moving_tracker()
+    assert tracker.reference is not None
+    pose, speed = tracker.reference, tracker.command.speed
+    assert tracker.step(100 * PERIOD + 1.0, pose, {}).speed < speed
+    assert tracker.state is ProgressState.STOPPED and "ago" in tracker.reason
 
 
 def test_progress_is_what_was_measured_and_never_falls() -> None:

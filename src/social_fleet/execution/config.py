@@ -26,7 +26,8 @@ class TrackerConfig:
     flatness_speed: float = parameter(0.2, above=0.0)  # the flatness law alone from here on, blended below [m/s]
     position_tolerance: float = parameter(0.05, above=0.0)  # at the goal [m]
     heading_tolerance: float = parameter(0.1, above=0.0)  # at the goal [rad]
-    deviation_limit: float = parameter(0.3, above=0.0)  # from the reference, beyond which it stops [m]
+    deviation_limit: float = parameter(0.3, above=0.0)  # behind the reference, beyond which it stops [m]
+    lateral_limit: float = parameter(0.075, above=0.0)  # off the way that others leave it, beyond which it stops [m]
     lag_begin: float = parameter(0.03, minimum=0.0)  # the reference slows when the robot is this far behind [m]
     lag_end: float = parameter(0.10, above=0.0)  # and stands when it is this far behind [m]
     pose_timeout: float = parameter(0.5, above=0.0)  # age at which a pose is no news [s]
@@ -38,6 +39,9 @@ class TrackerConfig:
         if self.lag_end <= self.lag_begin:
             raise InvalidParameter(f"must be greater than lag_begin ({self.lag_begin:g}), not {self.lag_end:g}",
                                    field="lag_end")
+        if self.deviation_limit < 2.0 * self.lateral_limit:
+            raise InvalidParameter(f"must be at least twice lateral_limit ({self.lateral_limit:g}), or no robot finds "
+                                   f"back to its path, not {self.deviation_limit:g}", field="deviation_limit")
         if self.release_tolerance < self.standoff:
             raise InvalidParameter(f"must be at least standoff ({self.standoff:g}), or two robots may wait for each "
                                    f"other for ever, not {self.release_tolerance:g}", field="release_tolerance")

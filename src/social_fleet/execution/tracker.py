@@ -19,6 +19,7 @@ _MISALIGNED = 0.6  # the robot stops and turns in place when it points this far 
 _STANDING = 0.03  # a standing robot is left where it is when it is this close to its reference [m]
 _JOIN_ANGLE = 0.2  # a new path is joined on the move by a robot that points this well along it [rad]
 _REJOIN = 2.0  # how far along the path a stopped robot may have been moved to drive on from there [m]
+_STALL = 0.5  # a moving robot brakes when its last command is older than this [s]
 _WINDOW = 0.5  # how far around the reference the robot is looked for on its path [m]
 
 
@@ -47,6 +48,9 @@ class Tracker:
         Whom it waits for when it is HOLDING.
     tracking_error : float
         Distance between the measured pose and the reference at the last step [m].
+    excursion : float
+        Distance between the measured pose and the way from the robot's progress to the reference [m]: what the robot
+        is aside, ahead of its reference, or behind what it reported; mere lag is none.
     command : Command
         The last command.
     """
@@ -58,12 +62,14 @@ class Tracker:
         self.reason = ""
         self.progress = 0.0
         self.tracking_error = 0.0
+        self.excursion = 0.0
         self.command = STANDSTILL
         self.waiting_for: Optional[Waiting] = None
         self._gate = PrecedenceGate(standoff=config.standoff, release_tolerance=config.release_tolerance)
         self._limits = MotionLimits()
         self._governor: Governor
         self._last: Optional[float] = None
+        self._stalled = 0.0  # how long ago the last step was, when that is too long for a moving robot [s]
         self._pose: Optional[Pose] = None
         if schedule is not None:
             self.follow(schedule)
@@ -144,6 +150,7 @@ class Tracker:
         """Time since the last step [s], as far as it can be believed: clocks start anew, and processes stall."""
         elapsed = self.config.period if self._last is None else now - self._last
         self._last = now
+        self._stalled = elapsed if elapsed > _STALL and self.command != STANDSTILL else 0.0
         if elapsed < 0.0:
             return self.config.period
         return min(max(elapsed, 0.2 * self.config.period), 4.0 * self.config.period)
@@ -161,6 +168,7 @@ class Tracker:
         self._leg = 0  # index of the stop that was reached last
         self._turning = True  # at that stop
         self._correcting = False
+        self._returning = False
         self._realigning = False
         self._reference = self._path.pose(0, 0.0)
         self._reference_speed = 0.0
@@ -174,7 +182,7 @@ class Tracker:
         pose = self._pose
         arc_length = self._path.project(pose.x, pose.y, 0.0, min(self._next_stop.arc_length, _WINDOW))
         nearest = self._path.pose(0, arc_length)
-        if (_distance(nearest, pose) <= self.config.lag_end
+        if (_distance(nearest, pose) <= self.config.lateral_limit
                 and abs(wrap_angle(nearest.yaw - pose.yaw)) <= _JOIN_ANGLE):
             governor.arc_length, governor.speed = arc_length, self.command.speed
             self._reference, self._reference_speed = nearest, self.command.speed
@@ -189,11 +197,15 @@ class Tracker:
         if stamp is not None and now - stamp > self.config.pose_timeout:
             return f"the pose is {now - stamp:.2f} s old"
         self._observe(pose)
-        if self.tracking_error <= self.config.deviation_limit:
+        if self._stalled:
+            return f"the last command was {self._stalled:.2f} s ago"
+        if self._returning or self.excursion > self.config.lateral_limit:
+            trouble = f"the robot is {self.excursion:.2f} m off its way"
+        elif self.tracking_error > self.config.deviation_limit:
+            trouble = f"the robot is {self.tracking_error:.2f} m off its reference"
+        else:
             return ""
-        if self.command == STANDSTILL and self._rejoined(pose):
-            return ""
-        return f"the robot is {self.tracking_error:.2f} m off its reference"
+        return self._rejoin(pose) if self._returning or self.command == STANDSTILL else trouble
 
     def _observe(self, pose: Pose) -> None:
         """Measure tracking error and progress."""
@@ -203,19 +215,39 @@ class Tracker:
         if high > self.progress:
             low = min(max(self.progress, self._governor.arc_length - _WINDOW), high)
             self.progress = max(self.progress, self._path.project(pose.x, pose.y, low, high))
+        self.excursion = self._excursion(pose)
 
-    def _rejoined(self, pose: Pose) -> bool:
-        """Bring the reference back to a robot that stands on its path, only not where it ought to be."""
-        low = max(self._stops[self._leg].arc_length, self._governor.arc_length - _REJOIN)
-        high = min(self._next_stop.arc_length, self._governor.arc_length + _REJOIN)
+    def _excursion(self, pose: Pose) -> float:
+        reference = self._governor.arc_length
+        low = min(max(self.progress, self._stops[self._leg].arc_length), reference)
+        arc_length = self._path.project(pose.x, pose.y, low, reference)
+        return _distance(pose, self._path.pose(self._driven_leg, arc_length))
+
+    def _rejoin(self, pose: Pose) -> str:
+        """Bring the reference back to a robot that stands near its path, only not where it ought to be; or why not.
+
+        A robot that is too far aside creeps to the reference before it drives on. None rejoins behind what it has
+        reported: others rely on its having passed.
+        """
+        here = self._governor.arc_length
+        low = max(self._stops[self._leg].arc_length, here - _REJOIN)
+        high = max(min(self._next_stop.arc_length, here + _REJOIN), low)
         arc_length = self._path.project(pose.x, pose.y, low, high)
-        distance = _distance(pose, self._path.pose(self._driven_leg, arc_length))
+        nearest = self._path.pose(self._driven_leg, arc_length)
+        distance = _distance(nearest, pose)
+        behind = self.progress - arc_length
         if distance > 0.5 * self.config.deviation_limit:
-            return False
-        self._governor.arc_length, self._governor.speed = arc_length, 0.0
-        self._reference, self._reference_speed = self._path.pose(self._driven_leg, arc_length), 0.0
-        self.tracking_error = distance
-        return True
+            self._returning = False
+            return f"the robot is {distance:.2f} m off its path"
+        if behind > self.config.release_tolerance:
+            self._returning = False
+            return f"the robot is {behind:.2f} m behind the progress that others rely on; it needs a new path"
+        if not self._returning or distance <= 0.5 * self.config.lateral_limit:
+            self._governor.arc_length, self._governor.speed = arc_length, 0.0
+            self._reference, self._reference_speed = nearest, 0.0
+        self._returning = distance > 0.5 * self.config.lateral_limit
+        self.tracking_error, self.excursion = _distance(self._reference, pose), distance
+        return ""
 
     @property
     def _next_stop(self) -> Stop:
@@ -236,6 +268,9 @@ class Tracker:
         if self._turning and self._leg == 0 and now < self.schedule.times[0]:
             self.state = ProgressState.IDLE
             return STANDSTILL
+        if self._returning:
+            self.state = ProgressState.DRIVING
+            return self._manoeuvres.creep(self._reference, pose, self.command.turn_rate, period)
         if self._correcting:
             return self._correct(pose, period)
         if self._turning:

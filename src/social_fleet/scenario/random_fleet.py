@@ -9,10 +9,11 @@ from social_fleet.errors import InvalidInput, InvalidScenario
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.scenario.scenario import RobotSpec, Scenario
+from social_fleet.scenario.scenario import Expect, RobotSpec, Scenario
 
 ROOM = 0.5  # [m] between the surfaces of two robots at their starts, or at their goals
 SLOWEST = 1.0 / 3.0  # of the maximum, in fleets of mixed speed
+EXPECT = Expect(max_lateness=2.0, max_tracking_error=0.1)  # all arrive, on time, and none touches anything
 
 
 def random_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: str, map_path: str,
@@ -52,7 +53,7 @@ def random_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: st
     specs = [RobotSpec(f"robot_{index + 1:0{digits}d}", _pose(start, yaw[0]), _pose(goal, yaw[1]),
                        max_speed=round(float(share) * max_speed, 3) if mixed else max_speed, radius=radius)
              for index, ((start, goal), yaw, share) in enumerate(zip(pairs, yaws, shares))]
-    return Scenario(map_name, map_path, tuple(specs))
+    return Scenario(map_name, map_path, tuple(specs), expect=EXPECT)
 
 
 def _pose(position: Tuple[float, float], yaw: float) -> Tuple[float, float, float]:

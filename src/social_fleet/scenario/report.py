@@ -145,8 +145,10 @@ def _failures(robots: Sequence[RobotReport], found: Sequence[Contact], expect: E
             lateness = (robot.arrival_time or 0.0) - robot.scheduled_time
             if not robot.arrived:
                 failures.append(f"robot {robot.name} did not arrive")
-            elif expect.max_lateness is not None and lateness > expect.max_lateness:
-                failures.append(f"robot {robot.name} was {lateness:.2f} s late, more than {expect.max_lateness:g} s")
+            elif expect.max_lateness is not None and abs(lateness) > expect.max_lateness:
+                word = "late" if lateness > 0.0 else "early"
+                failures.append(f"robot {robot.name} was {abs(lateness):.2f} s {word}, more than "
+                                f"{expect.max_lateness:g} s")
         if expect.max_tracking_error is not None and robot.max_tracking_error > expect.max_tracking_error:
             failures.append(f"robot {robot.name} was {robot.max_tracking_error:.3f} m off its reference, more than "
                             f"{expect.max_tracking_error:g} m")

@@ -58,7 +58,7 @@ class Expect:
     collisions : int
         The most that may happen.
     max_lateness, max_tracking_error : float, optional
-        Bounds for every robot [s], [m].
+        Bounds for every robot [s], [m]; arriving early counts like arriving late.
     """
 
     arrived: Optional[Tuple[str, ...]] = None
