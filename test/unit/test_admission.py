@@ -6,11 +6,12 @@ import pytest
 
 pytest.importorskip("social_fleet.msg", reason="needs the built workspace's messages; tools/test has them")
 
+import genpy  # noqa: E402
 from driving import schedule_of  # noqa: E402
 from social_fleet.errors import InvalidScenario, SolverFailed  # noqa: E402
-from social_fleet.msg import Progress  # noqa: E402
-from social_fleet.ros.admission import (check_all_considered, check_clear, next_version,  # noqa: E402
-                                        stands_for_good)
+from social_fleet.msg import Progress, Schedule as ScheduleMessage  # noqa: E402
+from social_fleet.ros.admission import (check_all_considered, check_clear, check_in_force,  # noqa: E402
+                                        next_version, stands_for_good)
 
 EAST, NORTH = schedule_of([(0, 5), (10, 5)], name="gold"), schedule_of([(5, 0), (5, 10)], name="green")
 
@@ -49,3 +50,14 @@ def test_versions_rise_also_above_those_of_a_coordinator_that_ran_before() -> No
     assert begun <= first < 2**32
     assert next_version([first, 5]) > first
     assert next_version([0, first + 1000, 7]) == first + 1001
+
+
+def test_a_robot_under_way_is_not_taken_for_parked() -> None:
+    held = ScheduleMessage(robot="a", version=7, times=[0.0, 10.0])
+    held.header.stamp = genpy.Time(100)
+    parked = ScheduleMessage(robot="a", version=0, times=[0.0])
+    with pytest.raises(InvalidScenario, match="a drives by schedule 7, not by 0"):
+        check_in_force([parked], {"a": held}.get, genpy.Time(105))
+    check_in_force([parked], {"a": held}.get, genpy.Time(111))
+    check_in_force([held], {"a": held}.get, genpy.Time(105))
+    check_in_force([parked], {}.get, genpy.Time(105))

@@ -103,3 +103,11 @@ def test_missing_files_and_folders(fleet: FleetSchedule, tmp_path: Path) -> None
     with pytest.raises(InvalidInput):
         write_schedule(fleet, tmp_path / "absent" / "schedule.json")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["{}", '{"robots": []}'])
+def test_a_file_without_robots_proves_nothing(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "schedule.json"
+    path.write_text(text)
+    with pytest.raises(InvalidSchedule, match="robots"):
+        read_schedule(path)

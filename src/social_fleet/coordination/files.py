@@ -42,7 +42,10 @@ def read_schedule(path: PathLike) -> FleetSchedule:
     """
     source = str(path)
     data = read_json(path, InvalidSchedule)
-    robots = _get({"file": data}, "file", dict, source) and _get(data, "robots", list, source)
+    _get({"file": data}, "file", dict, source)
+    robots = _get(data, "robots", list, source)
+    if not robots:
+        raise InvalidSchedule("there is no robot in it", source=source, field="robots")
     schedules = tuple(_robot_from_dict(item, source, f"robots[{index}]") for index, item in enumerate(robots))
     names = [schedule.name for schedule in schedules]
     for name in names:

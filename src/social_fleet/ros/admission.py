@@ -1,12 +1,14 @@
 """What the coordinator makes sure of before schedules come into force: pure functions."""
 
 import time
-from typing import Iterable, Sequence
+from typing import Callable, Iterable, Optional, Sequence
+
+import genpy
 
 from social_fleet.coordination.schedule import Schedule
 from social_fleet.coordination.verification import verify
 from social_fleet.errors import InvalidScenario, SolverFailed
-from social_fleet.msg import Progress
+from social_fleet.msg import Progress, Schedule as ScheduleMessage
 
 
 def stands_for_good(news: Progress) -> bool:
@@ -21,6 +23,18 @@ def check_all_considered(progress: Iterable[Progress], names: Iterable[str]) -> 
     if left_out:
         raise InvalidScenario(f"{', '.join(left_out)} may move by an earlier schedule and is left out; give its "
                               "schedule in `fixed`, or plan it anew", field="fixed")
+
+
+def check_in_force(given: Iterable[ScheduleMessage], held: Callable[[str], Optional[ScheduleMessage]],
+                   now: genpy.Time) -> None:
+    """Raise InvalidScenario when a robot drives by another schedule than the one given for it."""
+    for message in given:
+        own = held(message.robot)
+        if own is None or own.version == message.version:
+            continue
+        if (own.header.stamp - now).to_sec() + own.times[-1] > 0.0:
+            raise InvalidScenario(f"{message.robot} drives by schedule {own.version}, not by {message.version}; give "
+                                  "the one that is in force", field="fixed")
 
 
 def check_clear(planned: Sequence[Schedule], fixed: Sequence[Schedule]) -> None:

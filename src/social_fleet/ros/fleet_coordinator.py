@@ -17,7 +17,7 @@ from social_fleet.errors import InvalidScenario
 from social_fleet.msg import EncounterWindow, Progress, Schedule as ScheduleMessage
 from social_fleet.parameters import parameter
 from social_fleet.ros import conversions, parameters
-from social_fleet.ros.admission import check_all_considered, check_clear, next_version
+from social_fleet.ros.admission import check_all_considered, check_clear, check_in_force, next_version
 from social_fleet.ros.paths import resolve_path
 from social_fleet.ros.planning_fleet import PlanningFleet, read_config
 from social_fleet.ros.repeating_publisher import RepeatingPublisher
@@ -111,6 +111,7 @@ class FleetCoordinator:
         with self._lock:
             progress = list(self._progress.values())
         check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]])
+        check_in_force(request.fixed, self._schedules.last, rospy.Time.now())
         self._version = next_version([self._version, *(news.schedule_version for news in progress),
                                       *(message.version for message in request.fixed)])
         robots = [conversions.robot_from_planned_path(item, frame) for item in request.planning]
