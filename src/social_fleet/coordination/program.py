@@ -53,6 +53,7 @@ class Solution:
 class _Group:
     """Windows that share robots: their best known sides (0: r first), delay [s], and the delay proven [s]."""
 
+    search: OrderSearch
     robots: List[int]
     sides: Dict[int, int]
     delay: float
@@ -185,11 +186,12 @@ class ExactProgram:
         """Good orders of some windows; the program's, where the quick search finds none."""
         if windows not in self._groups:
             ordered = sorted(windows)
-            delay, sides = OrderSearch(self.motions, [self._waits[window] for window in ordered], self.margin).best()
+            search = OrderSearch(self.motions, [self._waits[window] for window in ordered], self.margin)
+            delay, sides = search.best()
             robots = sorted({robot for window in windows for robot in
                              (self.encounters[window].r, self.encounters[window].s)
                              if not self.motions[robot].fixed})
-            self._groups[windows] = _Group(robots, dict(zip(ordered, sides.tolist())), delay)
+            self._groups[windows] = _Group(search, robots, dict(zip(ordered, sides.tolist())), delay)
             if not math.isfinite(delay):
                 self._improve(self._groups[windows], deadline)
         return self._groups[windows]
@@ -227,9 +229,9 @@ class ExactProgram:
 
     def _branch(self, group: "_Group", deadline: float) -> bool:
         """Branch and bound over few nodes; whether that gave better orders. At its end the group is solved."""
-        search = OrderSearch(self.motions, [self._waits[window] for window in group.sides], self.margin)
         before = group.delay
-        group.delay, sides, group.solved = search.prove(before, np.array(list(group.sides.values())), nodes=_NODES)
+        known = np.array(list(group.sides.values()))
+        group.delay, sides, group.solved = group.search.prove(before, known, nodes=_NODES)
         group.sides = dict(zip(group.sides, sides.tolist()))
         if group.solved and not math.isfinite(group.delay):
             raise Contradiction(self._smallest_contradiction(list(group.sides), group.robots, deadline))
