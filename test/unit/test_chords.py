@@ -20,7 +20,7 @@ def ground_of(space, discs=NO_DISCS):
 def prices_of(lattice, rate=0.0):
     """The same social cost per step wherever there is an edge."""
     social = np.where(lattice.edges[:, None] >> np.arange(8) & 1, rate, np.inf).astype(np.float32)
-    return Prices(lattice.links, social, np.zeros((0, 2), dtype=np.int32), -1.0)
+    return Prices(lattice.links, social, np.zeros(len(lattice), dtype=np.uint8))
 
 
 def test_it_agrees_with_the_exact_clearance_of_the_path():
@@ -78,7 +78,7 @@ def test_a_chain_ends_at_a_wall_and_at_its_budget():
 
 def test_the_exempt_pay_nothing():
     lattice = Lattice(ConfigurationSpace(grid_from_text("........"), 0.3))
-    prices = prices_of(lattice, 1.0)._replace(exempt=np.array([[0, 0]], dtype=np.int32), exempt_squared=4.0)
+    prices = prices_of(lattice, 1.0)._replace(exempt=np.array([1, 1, 1, 0, 0, 0, 0, 0], dtype=np.uint8))
     assert chain_cost(prices, lattice.node[0, 0], lattice.node[0, 7], np.inf) == (7.0, 4.0)
 
 

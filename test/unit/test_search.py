@@ -25,7 +25,7 @@ class World:
         random = np.random.RandomState(seed)
         values = np.where(random.rand(60, 60) < 0.2, 100, 0).astype(np.int8)
         grid = OccupancyGrid(values, resolution)
-        self.exemption = exemption / resolution
+        self.exemption = exemption
         self.lattice = Lattice(ConfigurationSpace(grid, 0.08))
         config = PlannerConfig(robot_radius=0.08, open_area=3.0)
         self.social = edge_costs(self.lattice, grid.blocked, norm_of(config), stretch=config.wall_stretch)
@@ -41,16 +41,18 @@ class World:
 
     def costs(self, start, goal, graph, social=True):
         """What every edge costs in Eq. 2 or 4 for this pair, worked out from the definitions alone."""
-        lattice = self.lattice
-        near = np.zeros(len(lattice), dtype=bool)
-        for end in (start, goal):
-            near |= np.hypot(lattice.row - lattice.row[end], lattice.col - lattice.col[end]) <= self.exemption
-        near &= self.exemption > 0.0
+        beyond = np.zeros(len(self.tail))
+        if graph is not None:
+            beyond = np.where(graph[self.tail] >> self.heading & 1, 0.0, EPSILON)
+        free = self.matrix(self.length + beyond)  # without social cost
+        near = np.zeros(len(self.lattice), dtype=bool)
+        if self.exemption > 0.0:
+            near |= dijkstra(free, indices=start, limit=self.exemption) < np.inf
+            near |= dijkstra(free.T.tocsr(), indices=goal, limit=self.exemption) < np.inf
         waived = near[self.tail] | near[self.head] | (not social)
-        costs = self.length + np.where(waived, 0.0, self.social[self.tail, self.heading].astype(float))
-        if graph is None:
-            return costs
-        return np.where(graph[self.tail] >> self.heading & 1, self.length, costs + EPSILON)
+        if graph is not None:
+            waived |= beyond == 0.0
+        return self.length + beyond + np.where(waived, 0.0, self.social[self.tail, self.heading].astype(float))
 
     def matrix(self, costs):
         return coo_matrix((costs, (self.tail, self.head)), shape=(len(self.lattice),) * 2).tocsr()
@@ -58,16 +60,36 @@ class World:
 
 @pytest.mark.parametrize("exemption", [0.0, 1.0])
 @pytest.mark.parametrize("with_graph", [False, True])
-def test_the_cost_is_that_of_an_independent_dijkstra(exemption, with_graph):
+@pytest.mark.parametrize("prepared", [False, True])
+def test_the_cost_is_that_of_an_independent_dijkstra(exemption, with_graph, prepared):
     world = World(7, exemption)
     graph = world.graph if with_graph else None
+    metric = world.search.metric(graph, prepared=prepared)
     for start, goal in world.pairs:
-        result = world.search.cheapest(start, goal, graph=graph)
+        result = world.search.cheapest(start, goal, metric)
         matrix = world.matrix(world.costs(start, goal, graph))
         assert result.cost == pytest.approx(dijkstra(matrix, indices=start)[goal], abs=1e-6)
         along = sum(matrix[node, other] for node, other in zip(result.nodes, result.nodes[1:]))
         assert along == pytest.approx(result.cost, abs=1e-6)
-        assert world.search.evaluate(result.nodes, result.headings, graph).sum() == pytest.approx(result.cost, abs=1e-6)
+        assert world.search.evaluate(result, metric).sum() == pytest.approx(result.cost, abs=1e-6)
+
+
+@pytest.mark.parametrize("with_graph", [False, True])
+def test_a_prepared_search_stays_optimal_round_closed_nodes(with_graph):
+    world = World(3, 1.0)
+    graph = world.graph if with_graph else None
+    prepared, plain = (world.search.metric(graph, prepared=choice) for choice in (True, False))
+    random = np.random.RandomState(1)
+    unreachable = 0
+    for start, goal in world.pairs:
+        closed = np.setdiff1d(random.randint(0, len(world.lattice), 200), (start, goal)).astype(np.int32)
+        guided, other = (world.search.cheapest(start, goal, metric, closed=closed) for metric in (prepared, plain))
+        unreachable += guided is None
+        assert (guided is None) == (other is None)
+        if guided is not None:
+            assert guided.cost == pytest.approx(other.cost, abs=1e-6)
+            assert not np.isin(guided.nodes, closed).any()
+    assert unreachable < len(world.pairs) // 2
 
 
 def test_the_shortest_path_is_that_of_an_independent_dijkstra():
@@ -80,10 +102,11 @@ def test_the_shortest_path_is_that_of_an_independent_dijkstra():
 def test_the_same_search_gives_the_same_path():
     world = World(9, 1.0)
     start, goal = world.pairs[0]
-    first = world.search.cheapest(start, goal)
+    metric = world.search.metric(prepared=True)
+    first = world.search.cheapest(start, goal, metric)
     for other, another in world.pairs[1:20]:
-        world.search.cheapest(other, another)
-    again = world.search.cheapest(start, goal)
+        world.search.cheapest(other, another, metric)
+    again = world.search.cheapest(start, goal, metric)
     np.testing.assert_array_equal(first.nodes, again.nodes)
     assert first.expanded == again.expanded
 
@@ -127,7 +150,7 @@ def test_no_way():
 
 def test_start_is_goal():
     lattice, search = small("...")
-    result = search.cheapest(1, 1)
+    result = search.cheapest(1, 1, search.metric())
     assert result.cost == 0.0
     assert result.nodes.tolist() == [1]
     assert not len(result.headings)

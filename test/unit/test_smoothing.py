@@ -30,10 +30,10 @@ class Room:
         self.search = Search(self.lattice, self.social)
 
     def smoothed(self, start, goal, *, bound, corner_radius=0.8):
-        result = self.search.cheapest(self.lattice.node[start], self.lattice.node[goal])
+        result = self.search.cheapest(self.lattice.node[start], self.lattice.node[goal], self.search.metric())
         points = self.lattice.centres(result.nodes)
-        paid = np.concatenate([[0.0], np.cumsum(self.search.evaluate(result.nodes, result.headings).sum(axis=0))])
-        prices = Prices(self.lattice.links, self.social, np.zeros((0, 2), dtype=np.int32), -1.0)
+        paid = np.concatenate([[0.0], np.cumsum(self.search.evaluate(result).sum(axis=0))])
+        prices = Prices(self.lattice.links, self.social, np.zeros(len(self.lattice), dtype=np.uint8))
         return smooth(points, result.nodes, paid, self.ground, prices, bound=bound, corner_radius=corner_radius,
                       least=self.ground.radius)
 
@@ -100,7 +100,7 @@ def test_a_jog_may_use_up_the_margin():
     result = room.search.shortest(room.lattice.node[20, 3], room.lattice.node[20, 26])
     points = room.lattice.centres(result.nodes)
     paid = np.arange(len(points)) * 0.1
-    prices = Prices(room.lattice.links, room.social, np.zeros((0, 2), dtype=np.int32), -1.0)
+    prices = Prices(room.lattice.links, room.social, np.zeros(len(room.lattice), dtype=np.uint8))
     path = smooth(points, result.nodes, paid, wide, prices, bound=-1.0, corner_radius=0.8, least=room.ground.radius)
     assert room.space.is_free_path(path * 0.1)
     assert turns(path).max(initial=0.0) < math.radians(20.0)

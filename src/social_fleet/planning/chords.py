@@ -24,12 +24,11 @@ class Ground(NamedTuple):
 
 
 class Prices(NamedTuple):
-    """What an edge costs: the lattice, the social part, and where that is waived (in cells)."""
+    """What an edge costs: the lattice, the social part, and the nodes (N,) uint8 at which that is waived."""
 
     links: Links
     social: np.ndarray
-    exempt: np.ndarray  # (E, 2) row and column about which the social part is waived
-    exempt_squared: float
+    exempt: np.ndarray
 
 
 @njit(cache=True)
@@ -75,12 +74,9 @@ def _distance(px: float, py: float, x0: float, y0: float, x1: float, y1: float) 
 
 @njit(cache=True)
 def edge_cost(prices: Prices, node: int, heading: int, other: int) -> float:
-    """Social cost of an edge of the lattice, waived near the exempt cells."""
-    for e in range(len(prices.exempt)):
-        for n in (node, other):
-            drow, dcol = prices.links.row[n] - prices.exempt[e, 0], prices.links.col[n] - prices.exempt[e, 1]
-            if drow * drow + dcol * dcol <= prices.exempt_squared:
-                return 0.0
+    """Social cost of an edge of the lattice, waived at exempt nodes."""
+    if prices.exempt[node] or prices.exempt[other]:
+        return 0.0
     return prices.social[node, heading]
 
 

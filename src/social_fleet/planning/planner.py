@@ -66,8 +66,10 @@ class SocialPlanner:
         self._search = Search(self.lattice, self._social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
         self._lock = threading.Lock()
+        self._change_lock = threading.Lock()
+        self._prepared = False
         self._graph: Optional[SocialGraph] = None
-        self._graph_edges: Optional[np.ndarray] = None
+        self._metric = self._search.metric()
         self.graph = graph
 
     @property
@@ -77,12 +79,29 @@ class SocialPlanner:
 
     @graph.setter
     def graph(self, graph: Optional[SocialGraph]) -> None:
-        edges = None
         if graph is not None:
             graph.check_map(self.grid)
+        with self._change_lock:
+            self._use(graph)
+
+    def prepare(self) -> None:
+        """Spend a second or so to make all social plans from now on several times as fast.
+
+        Setting a graph then takes such time, too. Other threads go on planning meanwhile, as before.
+        """
+        with self._change_lock:
+            if not self._prepared:
+                self._prepared = True
+                self._use(self._graph)
+
+    def _use(self, graph: Optional[SocialGraph]) -> None:
+        """Work out what edges cost with a graph, then plan with that."""
+        edges = None
+        if graph is not None:
             edges = graph.edges[self.lattice.row, self.lattice.col] & self.lattice.edges
+        metric = self._search.metric(edges, prepared=self._prepared)
         with self._lock:
-            self._graph, self._graph_edges = graph, edges
+            self._graph, self._metric = graph, metric
 
     def plan(self, start: Sequence[float], goal: Sequence[float], *, planner: str = "social",
              avoid: Sequence[Disc] = ()) -> Plan:
@@ -120,8 +139,8 @@ class SocialPlanner:
             found = self._route(planner, ends, discs)
             if found is None:
                 raise self._no_path(start, goal, avoid, planner)
-            vertices, result, graph = found
-            costs = self._search.evaluate(result.nodes, result.headings, graph)
+            vertices, result = found
+            costs = self._search.evaluate(result, self._metric if planner == "social" else None)
         points = self.grid.from_local(vertices * self.grid.resolution)
         points[0], points[-1] = start[:2], goal[:2]
         return Plan(points=points, length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
@@ -130,8 +149,8 @@ class SocialPlanner:
                     cells=self.lattice.cells(result.nodes), start_yaw=_yaw(start), goal_yaw=_yaw(goal))
 
     def _route(self, planner: str, ends: Tuple[np.ndarray, np.ndarray],
-               discs: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, Optional[np.ndarray]]]:
-        """The driven vertices in cells, the searched path, and the graph that it was searched with; None: no path."""
+               discs: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult]]:
+        """The driven vertices in cells and the searched path; None: no path."""
         ground = Ground(self.grid.blocked, self.space.clearance, self.grid.resolution, fitting_radius(self._way),
                         discs)
         closed = covered_nodes(self.lattice.node, discs)
@@ -140,31 +159,31 @@ class SocialPlanner:
             return None
         if planner == "rrt_star":
             return self._sampled(ground, ends, joins[0], closed)
-        graph = self._graph_edges if planner == "social" else None
         if planner == "social":
-            result = self._search.cheapest(*joins[0], graph=graph, closed=closed)
+            result = self._search.cheapest(*joins[0], self._metric, closed=closed)
         else:
             result = self._search.shortest(*joins[0], closed=closed)
         if result is None:
             return None
-        return self._smoothed(ground, ends, result, social=planner == "social"), result, graph
+        return self._smoothed(ground, ends, result, social=planner == "social"), result
 
     def _smoothed(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], result: SearchResult, *,
                   social: bool) -> np.ndarray:
         """The driven path in cells along the grid's axes."""
         nodes = np.concatenate([result.nodes[:1], result.nodes, result.nodes[-1:]])
         points = np.vstack([ends[0], self.lattice.centres(result.nodes), ends[1]])
-        parts = self._search.evaluate(result.nodes, result.headings)
+        parts = self._search.evaluate(result)
         steps = parts.sum(axis=0) if social else parts[0]
         joints = np.hypot(*(points[[0, -1]] - points[[1, -2]]).T) * self.grid.resolution
         paid = np.cumsum(np.concatenate([[0.0], joints[:1], steps, joints[1:]]))
-        exempt = self.lattice.cells(result.nodes[[0, -1]])
-        prices = Prices(self.lattice.links, self._social, exempt, self._search.exempt)
+        exempt = np.zeros(len(self.lattice), dtype=np.uint8)
+        exempt[result.exempt] = 1
+        prices = Prices(self.lattice.links, self._social, exempt)
         return smooth(points, nodes, paid, ground, prices, bound=self.config.smoothing_bound if social else -1.0,
                       corner_radius=self.config.corner_radius, least=self._least_radius())
 
     def _sampled(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], joins: Tuple[int, int],
-                 closed: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, None]]:
+                 closed: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult]]:
         """The path of RRT*, and a path over the lattice beside it."""
         everywhere = self.lattice.centres(np.arange(len(self.lattice)))
         vertices = rrt_star(ground, everywhere, (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1]),
@@ -178,7 +197,7 @@ class SocialPlanner:
         headings = np.concatenate([piece.headings for piece in pieces if piece is not None])
         result = SearchResult(np.concatenate(nodes), headings, float(self.lattice.lengths[headings].sum()), RRT_SAMPLES)
         points = rounded(ground, vertices, self.config.corner_radius, self._least_radius())
-        return points, result, None
+        return points, result
 
     def _least_radius(self) -> float:
         """What a smoothed path keeps from walls in tight spots [cells]: the radius and half of the margin."""

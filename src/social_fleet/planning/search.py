@@ -1,16 +1,27 @@
 """Searches over one lattice, optimal in Eq. 2 or Eq. 4, again and again in the same memory."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Optional
 
 import numpy as np
+from numba import njit
 
-from social_fleet.planning.astar import Memory, Query, Queue, search, trace
+from social_fleet.planning.grid_search.buckets import new_queue
+from social_fleet.planning.grid_search.dissection import Skeleton, dissect
+from social_fleet.planning.grid_search.exemption import Waiver
+from social_fleet.planning.grid_search.guided import cheapest
+from social_fleet.planning.grid_search.hierarchy import Hierarchy, customised, new_potentials, no_hierarchy
+from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, forget, new_memory, trace
+from social_fleet.planning.grid_search.plain import shortest
 from social_fleet.planning.lattice import Lattice
 
 BUCKETS_PER_CELL = 16  # so that a bucket holds nearly equal costs
 MAX_BUCKETS = 1 << 16
+
+
+def _no_nodes() -> np.ndarray:
+    return np.zeros(0, dtype=np.int32)
 
 
 @dataclass(frozen=True)
@@ -27,16 +38,43 @@ class SearchResult:
         What was minimised [m].
     expanded : int
         Nodes taken from the queue, repeated ones included.
+    exempt : (E,) int32 array
+        Nodes whose edges bear no social cost, being near the start or the goal.
     """
 
     nodes: np.ndarray
     headings: np.ndarray
     cost: float
     expanded: int
+    exempt: np.ndarray = field(default_factory=_no_nodes)
+
+
+@dataclass(frozen=True)
+class Metric:
+    """What edges cost: Eq. 2, or Eq. 4 with a social graph.
+
+    Attributes
+    ----------
+    social : (N, 8) float32 array
+        Cost of every edge beyond its length [m], infinite where there is none.
+    waiver : Waiver
+        Where social cost is waived.
+    hierarchy : Hierarchy
+        Tells exact distances, so that a search goes straight to its goal; empty for none.
+    """
+
+    social: np.ndarray
+    waiver: Waiver
+    hierarchy: Hierarchy
+
+    @property
+    def prepared(self) -> bool:
+        """Whether there is a hierarchy."""
+        return len(self.hierarchy.up) > 0
 
 
 class Search:
-    """Searches one lattice again and again in the same memory.
+    """Searches one lattice again and again in the same memory; not for several threads at once.
 
     Parameters
     ----------
@@ -45,7 +83,7 @@ class Search:
     social : (N, 8) float32 array
         Social cost of every edge, infinite where there is none.
     exemption_radius : float
-        Edges with an end this close [m] to start or goal cost their length only.
+        Edges with an end this close [m] to start or goal, as one drives there, bear no social cost; see `exemption`.
     epsilon : float
         Extra cost [m] of an edge outside the social graph.
     """
@@ -54,36 +92,55 @@ class Search:
                  epsilon: float = 0.0) -> None:
         self._lattice = lattice
         self._social = social
-        self.exempt = (exemption_radius / lattice.resolution) ** 2 if exemption_radius > 0.0 else -1.0  # [cells^2]
+        self._radius = exemption_radius if exemption_radius > 0.0 else -1.0
         self._epsilon = epsilon
-        self._none = np.zeros(1, dtype=np.uint8)
+        self._skeleton: Optional[Skeleton] = None
         dearest = float(np.max(social, where=np.isfinite(social), initial=0.0)) + epsilon
-        width = lattice.resolution / BUCKETS_PER_CELL
-        span = 2.0 * lattice.lengths.max() + dearest
-        width = max(width, span / (MAX_BUCKETS - 4))
-        self._width = width
-        buckets = 1 << math.ceil(math.log2(span / width + 4.0))
-        self._queue = Queue(np.full(buckets, -1, dtype=np.int32), np.empty(4096, dtype=np.int32), np.empty(4096),
-                            np.empty(4096, dtype=np.int32))
-        count = len(lattice)
-        self._reached = np.full(count, np.inf)
-        self._arrival = np.zeros(count, dtype=np.uint8)
-        self._touched = np.empty(count, dtype=np.int32)
+        # From one node to the next an estimate grows by no more than the edge there and back.
+        span = 2.0 * (lattice.lengths.max() + dearest)
+        self._width = max(lattice.resolution / BUCKETS_PER_CELL, span / (MAX_BUCKETS - 4))
+        self._queue = new_queue(1, 1 << math.ceil(math.log2(span / self._width + 4.0)))
+        self._memory = new_memory(len(lattice))
+        self._potentials = new_potentials(len(lattice))
+
+    def metric(self, graph: Optional[np.ndarray] = None, *, prepared: bool = False) -> Metric:
+        """What edges cost with a social graph. Does not disturb a search that another thread runs.
+
+        Parameters
+        ----------
+        graph : (N,) uint8 array, optional
+            Social graph: bit k of a node is set where its edge in heading k belongs to it.
+        prepared : bool
+            Spend a few microseconds per node on a hierarchy that makes every search with this metric fast.
+        """
+        social, waiver = self._social, Waiver(self._radius, np.zeros(0, dtype=np.uint8), 0.0)
+        if graph is not None:
+            social, waiver = _with_graph(social, graph, self._epsilon), Waiver(self._radius, graph, self._epsilon)
+        if not prepared or not len(self._lattice):
+            return Metric(social, waiver, no_hierarchy())
+        if self._skeleton is None:
+            self._skeleton = dissect(self._lattice.links)
+        return Metric(social, waiver, customised(self._lattice.links, self._skeleton, social))
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
-        """The shortest path, without social cost. See `cheapest`."""
-        return self._run(start, goal, False, None, closed)
+        """The shortest path between two nodes by plain A*, without social cost. See `cheapest`."""
+        memory = self._memory
+        if closed is not None:
+            memory.reached[:, closed] = -np.inf
+        expanded, self._queue = shortest(self._lattice.links, start, goal, memory, self._queue, self._width)
+        memory.reached[BACKWARD, goal] = 0.0
+        return self._result(start, goal, goal, expanded, closed, _no_nodes())
 
-    def cheapest(self, start: int, goal: int, *, graph: Optional[np.ndarray] = None,
+    def cheapest(self, start: int, goal: int, metric: Metric, *,
                  closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
-        """The path that minimises Eq. 2, or Eq. 4 with a graph.
+        """The path between two nodes that is cheapest in a metric.
 
         Parameters
         ----------
         start, goal : int
             Nodes.
-        graph : (N,) uint8 array, optional
-            Social graph: bit k of a node is set where its edge in heading k belongs to it.
+        metric : Metric
+            What edges cost.
         closed : (M,) int array, optional
             Nodes that this search must not enter.
 
@@ -92,38 +149,49 @@ class Search:
         SearchResult or None
             None when the goal cannot be reached.
         """
-        return self._run(start, goal, True, graph, closed)
+        memory = self._memory
+        if closed is not None:
+            memory.reached[:, closed] = -np.inf
+        _, middle, expanded, exempt, self._queue = cheapest(
+            self._lattice.links, metric.social, metric.waiver, metric.hierarchy, self._potentials, start, goal, memory,
+            self._queue, self._width)
+        return self._result(start, goal, middle, expanded, closed, exempt)
 
-    def _run(self, start: int, goal: int, social: bool, graph: Optional[np.ndarray],
-             closed: Optional[np.ndarray]) -> Optional[SearchResult]:
-        lattice = self._lattice
+    def _result(self, start: int, goal: int, middle: int, expanded: int, closed: Optional[np.ndarray],
+                exempt: np.ndarray) -> Optional[SearchResult]:
+        """What the memory holds, which is as new afterwards."""
+        memory, result = self._memory, None
+        if middle >= 0:
+            cost = memory.reached[FORWARD, middle] + memory.reached[BACKWARD, middle]
+            if math.isfinite(cost):
+                nodes, headings = trace(self._lattice.links, memory, start, middle, goal)
+                result = SearchResult(nodes, headings, cost, expanded, exempt)
+        forget(memory)
+        memory.reached[BACKWARD, goal] = np.inf
         if closed is not None:
-            self._reached[closed] = -np.inf
-        epsilon = self._epsilon if graph is not None else 0.0
-        no_graph = self._none if graph is None else graph
-        query = Query(start, goal, social, no_graph, graph is not None, epsilon, self.exempt)
-        memory = Memory(self._reached, self._arrival, self._touched)
-        cost, expanded, touched, self._queue = search(lattice.links, self._social, query, memory, self._queue,
-                                                      lattice.resolution, self._width)
-        result = None
-        if math.isfinite(cost):
-            nodes, headings = trace(lattice.links, start, goal, self._arrival)
-            result = SearchResult(nodes, headings, cost, expanded)
-        self._reached[self._touched[:touched]] = np.inf
-        if closed is not None:
-            self._reached[closed] = np.inf
+            memory.reached[:, closed] = np.inf
         return result
 
-    def evaluate(self, nodes: np.ndarray, headings: np.ndarray, graph: Optional[np.ndarray] = None) -> np.ndarray:
-        """Length and social part [m] of Eq. 2 or 4 of given steps, exemption included: shape (2, M - 1)."""
-        lattice = self._lattice
-        social = self._social[nodes[:-1], headings].astype(float)
-        exempt = np.zeros(len(nodes), dtype=bool)
-        for end in (nodes[0], nodes[-1]):
-            offset = (lattice.row[nodes] - lattice.row[end]) ** 2 + (lattice.col[nodes] - lattice.col[end]) ** 2
-            exempt |= offset <= self.exempt
-        social[exempt[:-1] | exempt[1:]] = 0.0
-        if graph is not None:
-            member = (graph[nodes[:-1]] >> headings & 1).astype(bool)
-            social = np.where(member, 0.0, social + self._epsilon)
-        return np.stack([lattice.lengths[headings], social])
+    def evaluate(self, result: SearchResult, metric: Optional[Metric] = None) -> np.ndarray:
+        """Length and cost beyond it [m] of each step, by default in Eq. 2, exemption included: shape (2, M - 1)."""
+        social, waiver = (metric.social, metric.waiver) if metric else (self._social, None)
+        nodes, headings = result.nodes, result.headings
+        beyond = social[nodes[:-1], headings].astype(float)
+        near = np.isin(nodes, result.exempt)
+        waived = near[:-1] | near[1:]
+        if waiver is not None and len(waiver.graph):
+            member = (waiver.graph[nodes[:-1]] >> headings & 1).astype(bool)
+            beyond[waived] = np.where(member, 0.0, waiver.epsilon)[waived]
+        else:
+            beyond[waived] = 0.0
+        return np.stack([self._lattice.lengths[headings], beyond])
+
+
+@njit(cache=True, nogil=True)
+def _with_graph(social: np.ndarray, graph: np.ndarray, epsilon: float) -> np.ndarray:
+    """Eq. 4 beyond length: nothing on the graph, epsilon more than Eq. 2 off it."""
+    biased = np.empty_like(social)
+    for node in range(len(graph)):
+        for k in range(8):
+            biased[node, k] = np.float32(0.0) if graph[node] >> k & 1 else np.float32(social[node, k] + epsilon)
+    return biased
