@@ -11,11 +11,16 @@ from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.costs import edge_costs
+from social_fleet.planning.grid_search.hierarchy import UNIT
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.norms import norm_of
 from social_fleet.planning.search import Search
 
 EPSILON = 0.01
+
+
+def whole_units(costs):
+    return np.round(costs / UNIT) * UNIT
 
 
 class World:
@@ -37,13 +42,13 @@ class World:
         steps = HEADINGS[self.heading]
         self.head = self.lattice.node[self.lattice.row[self.tail] + steps[:, 1],
                                       self.lattice.col[self.tail] + steps[:, 0]]
-        self.length = resolution * np.hypot(*steps.T)
+        self.length = whole_units(resolution * np.hypot(*steps.T))
 
     def costs(self, start, goal, graph, social=True):
         """What every edge costs in Eq. 2 or 4 for this pair, worked out from the definitions alone."""
         beyond = np.zeros(len(self.tail))
         if graph is not None:
-            beyond = np.where(graph[self.tail] >> self.heading & 1, 0.0, EPSILON)
+            beyond = np.where(graph[self.tail] >> self.heading & 1, 0.0, whole_units(EPSILON))
         free = self.matrix(self.length + beyond)  # without social cost
         near = np.zeros(len(self.lattice), dtype=bool)
         if self.exemption > 0.0:
@@ -52,7 +57,8 @@ class World:
         waived = near[self.tail] | near[self.head] | (not social)
         if graph is not None:
             waived |= beyond == 0.0
-        return self.length + beyond + np.where(waived, 0.0, self.social[self.tail, self.heading].astype(float))
+        social = whole_units(self.social[self.tail, self.heading].astype(float))
+        return self.length + beyond + np.where(waived, 0.0, social)
 
     def matrix(self, costs):
         return coo_matrix((costs, (self.tail, self.head)), shape=(len(self.lattice),) * 2).tocsr()

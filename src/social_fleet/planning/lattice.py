@@ -91,16 +91,22 @@ class Lattice:
         return np.flatnonzero(self.component == np.argmax(self._sizes))
 
 
-@njit(cache=True)
-def neighbour(links: Links, node: int, heading: int) -> int:
+@njit(cache=True, nogil=True)
+def step(up: np.ndarray, down: np.ndarray, node: int, heading: int) -> int:
     """The node that an edge of `node` in `heading` leads to; only valid where that edge exists."""
     if heading == 0:
         return node + 1
     if heading == 4:
         return node - 1
     if heading < 4:
-        return links.up[node] + 2 - heading
-    return links.down[node] + heading - 6
+        return up[node] + 2 - heading
+    return down[node] + heading - 6
+
+
+@njit(cache=True, nogil=True)
+def neighbour(links: Links, node: int, heading: int) -> int:
+    """`step` for those who have a lattice's `links` at hand."""
+    return step(links.up, links.down, node, heading)
 
 
 @njit(cache=True)

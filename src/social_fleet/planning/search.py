@@ -2,17 +2,17 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.grid_search.buckets import new_queue
+from social_fleet.planning.grid_search.buckets import FULL, new_queue
 from social_fleet.planning.grid_search.dissection import Skeleton, dissect
 from social_fleet.planning.grid_search.exemption import Waiver
 from social_fleet.planning.grid_search.guided import cheapest
-from social_fleet.planning.grid_search.hierarchy import Hierarchy, customised, new_potentials, no_hierarchy
-from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, forget, new_memory, trace
+from social_fleet.planning.grid_search.hierarchy import UNIT, Hierarchy, customised, new_potentials, no_hierarchy
+from social_fleet.planning.grid_search.memory import BACKWARD, forget, new_memory, trace
 from social_fleet.planning.grid_search.plain import shortest
 from social_fleet.planning.lattice import Lattice
 
@@ -76,6 +76,8 @@ class Metric:
 class Search:
     """Searches one lattice again and again in the same memory; not for several threads at once.
 
+    Lengths and costs of edges are rounded to whole `UNIT`s (a micrometre), so that sums are exact in any order.
+
     Parameters
     ----------
     lattice : Lattice
@@ -91,17 +93,18 @@ class Search:
     def __init__(self, lattice: Lattice, social: np.ndarray, *, exemption_radius: float = 0.0,
                  epsilon: float = 0.0) -> None:
         self._lattice = lattice
-        self._social = social
+        self._links = lattice.links._replace(lengths=_whole_units(lattice.lengths))
+        self._social = _whole_units(social)
         self._radius = exemption_radius if exemption_radius > 0.0 else -1.0
-        self._epsilon = epsilon
+        self._epsilon = float(_whole_units(np.array(epsilon)))
         self._skeleton: Optional[Skeleton] = None
         dearest = float(np.max(social, where=np.isfinite(social), initial=0.0)) + epsilon
         # From one node to the next an estimate grows by no more than the edge there and back.
         span = 2.0 * (lattice.lengths.max() + dearest)
         self._width = max(lattice.resolution / BUCKETS_PER_CELL, span / (MAX_BUCKETS - 4))
-        self._queue = new_queue(1, 1 << math.ceil(math.log2(span / self._width + 4.0)))
+        self._queue = new_queue(1 << math.ceil(math.log2(span / self._width + 4.0)))
         self._memory = new_memory(len(lattice))
-        self._potentials = new_potentials(len(lattice))
+        self._potentials, self._no_potentials = new_potentials(len(lattice)), new_potentials(0)
 
     def metric(self, graph: Optional[np.ndarray] = None, *, prepared: bool = False) -> Metric:
         """What edges cost with a social graph. Does not disturb a search that another thread runs.
@@ -119,17 +122,17 @@ class Search:
         if not prepared or not len(self._lattice):
             return Metric(social, waiver, no_hierarchy())
         if self._skeleton is None:
-            self._skeleton = dissect(self._lattice.links)
-        return Metric(social, waiver, customised(self._lattice.links, self._skeleton, social))
+            self._skeleton = dissect(self._links)
+        return Metric(social, waiver, customised(self._links, self._skeleton, social))
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
         """The shortest path between two nodes by plain A*, without social cost. See `cheapest`."""
-        memory = self._memory
-        if closed is not None:
-            memory.reached[:, closed] = -np.inf
-        expanded, self._queue = shortest(self._lattice.links, start, goal, memory, self._queue, self._width)
-        memory.reached[BACKWARD, goal] = 0.0
-        return self._result(start, goal, goal, expanded, closed, _no_nodes())
+        def run() -> Tuple[int, int, np.ndarray]:
+            expanded = shortest(self._links, start, goal, self._memory, self._queue, self._width)
+            self._memory.reached[BACKWARD, goal] = 0.0
+            return goal, expanded, _no_nodes()
+
+        return self._run(run, start, goal, closed)
 
     def cheapest(self, start: int, goal: int, metric: Metric, *,
                  closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
@@ -149,42 +152,62 @@ class Search:
         SearchResult or None
             None when the goal cannot be reached.
         """
-        memory = self._memory
+        potentials = self._potentials if metric.prepared else self._no_potentials
+
+        def run() -> Tuple[int, int, np.ndarray]:
+            return cheapest(self._links, metric.social, metric.waiver, metric.hierarchy, potentials, start, goal,
+                            self._memory, self._queue, self._width)
+
+        return self._run(run, start, goal, closed)
+
+    def _run(self, kernel: Callable[[], Tuple[int, int, np.ndarray]], start: int, goal: int,
+             closed: Optional[np.ndarray]) -> Optional[SearchResult]:
+        """Run a kernel, again with a larger queue where it was too small, and read the path from the memory."""
+        memory, result = self._memory, None
         if closed is not None:
             memory.reached[:, closed] = -np.inf
-        _, middle, expanded, exempt, self._queue = cheapest(
-            self._lattice.links, metric.social, metric.waiver, metric.hierarchy, self._potentials, start, goal, memory,
-            self._queue, self._width)
-        return self._result(start, goal, middle, expanded, closed, exempt)
-
-    def _result(self, start: int, goal: int, middle: int, expanded: int, closed: Optional[np.ndarray],
-                exempt: np.ndarray) -> Optional[SearchResult]:
-        """What the memory holds, which is as new afterwards."""
-        memory, result = self._memory, None
-        if middle >= 0:
-            cost = memory.reached[FORWARD, middle] + memory.reached[BACKWARD, middle]
-            if math.isfinite(cost):
-                nodes, headings = trace(self._lattice.links, memory, start, middle, goal)
-                result = SearchResult(nodes, headings, cost, expanded, exempt)
+        middle, expanded, exempt = kernel()
+        while self._queue.state[FULL]:
+            forget(memory)
+            self._queue = new_queue(len(self._queue.heads), 2 * len(self._queue.node))
+            middle, expanded, exempt = kernel()
+        cost = float(memory.reached[:, middle].sum()) if middle >= 0 else math.inf
+        if math.isfinite(cost):
+            nodes, headings = trace(self._links, memory, start, middle, goal)
+            result = SearchResult(nodes, headings, cost, expanded, exempt)
         forget(memory)
-        memory.reached[BACKWARD, goal] = np.inf
+        memory.reached[BACKWARD, goal] = np.inf  # which the plain search does not note
         if closed is not None:
             memory.reached[:, closed] = np.inf
         return result
 
     def evaluate(self, result: SearchResult, metric: Optional[Metric] = None) -> np.ndarray:
         """Length and cost beyond it [m] of each step, by default in Eq. 2, exemption included: shape (2, M - 1)."""
-        social, waiver = (metric.social, metric.waiver) if metric else (self._social, None)
-        nodes, headings = result.nodes, result.headings
-        beyond = social[nodes[:-1], headings].astype(float)
-        near = np.isin(nodes, result.exempt)
-        waived = near[:-1] | near[1:]
-        if waiver is not None and len(waiver.graph):
-            member = (waiver.graph[nodes[:-1]] >> headings & 1).astype(bool)
-            beyond[waived] = np.where(member, 0.0, waiver.epsilon)[waived]
-        else:
-            beyond[waived] = 0.0
-        return np.stack([self._lattice.lengths[headings], beyond])
+        social, graph = (metric.social, metric.waiver.graph) if metric else (self._social, np.zeros(0, dtype=np.uint8))
+        memory = self._memory
+        memory.settled[result.exempt] = 1
+        steps = _evaluate(self._links.lengths, social, graph, self._epsilon, result.nodes, result.headings,
+                          memory.settled)
+        memory.settled[result.exempt] = 0
+        return steps
+
+
+@njit(cache=True, nogil=True)
+def _evaluate(lengths: np.ndarray, social: np.ndarray, graph: np.ndarray, epsilon: float, nodes: np.ndarray,
+              headings: np.ndarray, exempt: np.ndarray) -> np.ndarray:
+    """See `Search.evaluate`; `exempt` (N,) is 1 at exempt nodes."""
+    steps = np.empty((2, len(headings)))
+    for i in range(len(headings)):
+        node, heading = nodes[i], headings[i]
+        steps[0, i], steps[1, i] = lengths[heading], social[node, heading]
+        if exempt[node] or exempt[nodes[i + 1]]:
+            steps[1, i] = epsilon if len(graph) and not graph[node] >> heading & 1 else 0.0
+    return steps
+
+
+def _whole_units(costs: np.ndarray) -> np.ndarray:
+    """Costs [m] rounded to multiples of UNIT, which float32 and float64 hold exactly."""
+    return (np.rint(costs / UNIT) * UNIT).astype(costs.dtype)
 
 
 @njit(cache=True, nogil=True)

@@ -3,6 +3,10 @@
 Within a bucket the last entry comes first. Searches that use it therefore expand a node again when a cheaper way to it
 turns up, and end only when every bucket left is dearer than their result; so the order inside a bucket affects time,
 never the result.
+
+Kernels unpack tuples of arrays once, at their top, hand single arrays on, and never replace them: Numba counts
+references otherwise, which makes an inner loop four times as slow. So a queue that is full says so, and whoever called
+the kernel calls it again with a larger one.
 """
 
 from typing import NamedTuple
@@ -10,79 +14,60 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-FIRST_ENTRIES = 1 << 14
+FIRST_ENTRIES = 1 << 16
+# Of a queue's state: the next fresh entry, the first spare one (-1: none), entries in use, whether it was too small.
+NEXT, SPARE, USED, FULL = 0, 1, 2, 3
 
 
 class Queue(NamedTuple):
-    """`heads` (rings, buckets): the top entry of each bucket; of every entry its node, its cost and the entry below.
-
-    `state` holds the next unused entry and the first spare one, -1 for none; `used` the entries in each ring.
-    """
+    """`heads`: the top entry of each bucket, -1 for none; of every entry its node, its cost and the entry below it."""
 
     heads: np.ndarray
     node: np.ndarray
     cost: np.ndarray
     below: np.ndarray
     state: np.ndarray
-    used: np.ndarray
 
 
-def new_queue(rings: int, buckets: int) -> Queue:
+def new_queue(buckets: int, entries: int = FIRST_ENTRIES) -> Queue:
     """An empty queue; `buckets` is a power of two."""
-    return Queue(np.full((rings, buckets), -1, dtype=np.int32), np.empty(FIRST_ENTRIES, dtype=np.int32),
-                 np.empty(FIRST_ENTRIES), np.empty(FIRST_ENTRIES, dtype=np.int32), np.array([0, -1]),
-                 np.zeros(rings, dtype=np.int64))
+    return Queue(np.full(buckets, -1, dtype=np.int32), np.empty(entries, dtype=np.int32), np.empty(entries),
+                 np.empty(entries, dtype=np.int32), np.array([0, -1, 0, 0]))
 
 
 @njit(cache=True, nogil=True)
-def clear(queue: Queue) -> None:
+def clear(heads: np.ndarray, state: np.ndarray) -> None:
     """Take out everything."""
-    queue.heads[:] = -1
-    queue.used[:] = 0
-    queue.state[0], queue.state[1] = 0, -1
+    heads[:] = -1
+    state[NEXT], state[SPARE], state[USED] = 0, -1, 0
 
 
 @njit(cache=True, nogil=True)
-def roomy(queue: Queue, entries: int) -> Queue:
-    """The queue, with room for so many entries more."""
-    if queue.state[0] + entries <= len(queue.node):
-        return queue
-    spare = max(len(queue.node), entries)
-    return Queue(queue.heads, np.concatenate((queue.node, np.empty(spare, dtype=np.int32))),
-                 np.concatenate((queue.cost, np.empty(spare))),
-                 np.concatenate((queue.below, np.empty(spare, dtype=np.int32))), queue.state, queue.used)
-
-
-@njit(cache=True, nogil=True)
-def push(queue: Queue, ring: int, bucket: int, node: int, cost: float) -> None:
+def push(heads: np.ndarray, node: np.ndarray, cost: np.ndarray, below: np.ndarray, state: np.ndarray, bucket: int,
+         new_node: int, new_cost: float) -> None:
     """Put a node into a bucket; there must be room."""
-    entry = queue.state[1]
+    entry = state[SPARE]
     if entry >= 0:
-        queue.state[1] = queue.below[entry]
+        state[SPARE] = below[entry]
     else:
-        entry = queue.state[0]
-        queue.state[0] += 1
-    slot = bucket & (queue.heads.shape[1] - 1)
-    queue.node[entry] = node
-    queue.cost[entry] = cost
-    queue.below[entry] = queue.heads[ring, slot]
-    queue.heads[ring, slot] = entry
-    queue.used[ring] += 1
+        entry = state[NEXT]
+        state[NEXT] += 1
+    slot = bucket & (len(heads) - 1)
+    node[entry] = new_node
+    cost[entry] = new_cost
+    below[entry] = heads[slot]
+    heads[slot] = entry
+    state[USED] += 1
 
 
 @njit(cache=True, nogil=True)
-def holds(queue: Queue, ring: int, bucket: int) -> bool:
-    """Whether a bucket has an entry."""
-    return queue.heads[ring, bucket & (queue.heads.shape[1] - 1)] >= 0
-
-
-@njit(cache=True, nogil=True)
-def pop(queue: Queue, ring: int, bucket: int) -> int:
-    """Take the entry on top of a bucket that has one."""
-    slot = bucket & (queue.heads.shape[1] - 1)
-    entry = queue.heads[ring, slot]
-    queue.heads[ring, slot] = queue.below[entry]
-    queue.below[entry] = queue.state[1]
-    queue.state[1] = entry
-    queue.used[ring] -= 1
+def pop(heads: np.ndarray, below: np.ndarray, state: np.ndarray, bucket: int) -> int:
+    """Take the entry on top of a bucket; -1 where there is none."""
+    slot = bucket & (len(heads) - 1)
+    entry = heads[slot]
+    if entry >= 0:
+        heads[slot] = below[entry]
+        below[entry] = state[SPARE]
+        state[SPARE] = entry
+        state[USED] -= 1
     return entry

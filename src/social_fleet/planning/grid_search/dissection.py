@@ -15,7 +15,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.lattice import Links, neighbour
+from social_fleet.planning.lattice import Links, step
 
 LEAST_SHARE = 0.25  # of the nodes that has to lie on either side of a line
 
@@ -109,6 +109,7 @@ def _best_line(row: np.ndarray, col: np.ndarray, nodes: np.ndarray) -> Tuple[int
 @njit(cache=True, nogil=True)
 def _fill(links: Links, order: np.ndarray, rank: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`parent`, `first` and `heads`: a node's arcs lead to its higher neighbours and where its children's lead to."""
+    _, _, up, down, edges_of, _ = links
     count = len(order)
     parent, child, sibling = np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, -1, np.int32)
     first = np.zeros(count + 1, dtype=np.int64)
@@ -118,8 +119,8 @@ def _fill(links: Links, order: np.ndarray, rank: np.ndarray) -> Tuple[np.ndarray
     for tail in range(count):
         node, arcs = np.int64(order[tail]), 0
         for k in range(8):
-            if links.edges[node] >> k & 1:
-                head = rank[neighbour(links, node, k)]
+            if edges_of[node] >> k & 1:
+                head = rank[step(up, down, node, k)]
                 if head > tail and mark[head] != tail:
                     mark[head] = tail
                     fresh[arcs] = head

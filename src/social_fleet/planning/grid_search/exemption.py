@@ -11,8 +11,8 @@ from typing import NamedTuple, Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.grid_search.buckets import Queue, clear, holds, pop, push, roomy
-from social_fleet.planning.grid_search.memory import FORWARD, Memory, note
+from social_fleet.planning.grid_search.buckets import FULL, NEXT, USED, Queue, clear, pop, push
+from social_fleet.planning.grid_search.memory import FORWARD, Memory
 from social_fleet.planning.lattice import Links
 
 
@@ -29,56 +29,63 @@ class Waiver(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def surround(links: Links, waiver: Waiver, side: int, end: int, memory: Memory,
-             queue: Queue) -> Tuple[np.ndarray, np.ndarray, Queue]:
+             queue: Queue) -> Tuple[np.ndarray, np.ndarray]:
     """Dijkstra from a start (FORWARD) or to a goal (BACKWARD) as far as the radius; `memory` learns the ways.
 
     Returns
     -------
-    (inner, rim, queue)
-        Nodes of the surroundings, the nodes outside that one exempt edge joins to them (without surroundings the end
-        itself), and the queue, perhaps grown.
+    (inner, rim)
+        Nodes of the surroundings, and the nodes outside that one exempt edge joins to them (without surroundings the
+        end itself).
     """
-    found, count, bucket = np.empty(512, dtype=np.int32), 1, 0
-    width = 0.5 * links.lengths[0]
-    clear(queue)
-    note(memory, side, end, 0.0, 0)
-    push(queue, 0, 0, end, 0.0)
-    found[0] = end
-    while queue.used[0] > 0:
-        if not holds(queue, 0, bucket):
+    _, _, up, down, edges_of, lengths = links
+    radius, graph, epsilon = waiver
+    reached, arrival, touched = memory.reached[side], memory.arrival[side], memory.touched[side]
+    heads, entry_node, entry_cost, below, state = queue
+    width, turned, biased, bucket, noted = 0.5 * lengths[0], 4 * side, len(graph) > 0, 0, 1
+    clear(heads, state)
+    reached[end] = 0.0
+    touched[0] = end
+    push(heads, entry_node, entry_cost, below, state, 0, end, 0.0)
+    while state[USED] > 0:
+        entry = pop(heads, below, state, bucket)
+        if entry < 0:
             bucket += 1
             continue
-        entry = pop(queue, 0, bucket)
-        node, cost = np.int64(queue.node[entry]), queue.cost[entry]
-        if cost > memory.reached[side, node] or cost > waiver.radius:
+        node, cost = np.int64(entry_node[entry]), entry_cost[entry]
+        if cost > reached[node] or cost > radius:
             continue
-        queue = roomy(queue, 8)
-        if count + 8 > len(found):
-            found = np.concatenate((found, found))
-        above, below = np.int64(links.up[node]), np.int64(links.down[node])
-        around = (node + 1, above + 1, above, above - 1, node - 1, below - 1, below, below + 1)
-        edges = links.edges[node]
+        if state[NEXT] + 8 > len(entry_node):
+            state[FULL] = 1
+            break
+        over, under = np.int64(up[node]), np.int64(down[node])
+        around = (node + 1, over + 1, over, over - 1, node - 1, under - 1, under, under + 1)
+        edges = edges_of[node]
         for k in range(8):
             if not edges >> k & 1:
                 continue
-            other = around[k]
-            heading = k if side == FORWARD else (k + 4) & 7
-            total = cost + links.lengths[k]
-            if len(waiver.graph) and not waiver.graph[node if side == FORWARD else other] >> heading & 1:
-                total += waiver.epsilon
-            known = memory.reached[side, other]
-            if total < known:
-                if known == np.inf:
-                    found[count] = other
-                    count += 1
-                note(memory, side, other, total, heading)
-                push(queue, 0, int(total / width), other, total)
-    return _split(memory.reached[side], found[:count], waiver.radius, queue)
+            other, heading = around[k], (k + turned) & 7
+            total = cost + lengths[k]
+            known = reached[other]
+            if total >= known:
+                continue
+            if biased and not graph[node if side == FORWARD else other] >> heading & 1:
+                total += epsilon
+                if total >= known:
+                    continue
+            if known == np.inf:
+                touched[noted] = other
+                noted += 1
+            reached[other] = total
+            arrival[other] = heading
+            if total <= radius:
+                push(heads, entry_node, entry_cost, below, state, int(total / width), other, total)
+    memory.noted[side] = noted
+    return _split(reached, touched[:noted], radius)
 
 
 @njit(cache=True, nogil=True)
-def _split(reached: np.ndarray, found: np.ndarray, radius: float,
-           queue: Queue) -> Tuple[np.ndarray, np.ndarray, Queue]:
+def _split(reached: np.ndarray, found: np.ndarray, radius: float) -> Tuple[np.ndarray, np.ndarray]:
     """Those within the radius, and the others."""
     inner, rim = np.empty(len(found), dtype=np.int32), np.empty(len(found), dtype=np.int32)
     inside, outside = 0, 0
@@ -89,4 +96,4 @@ def _split(reached: np.ndarray, found: np.ndarray, radius: float,
         else:
             rim[outside] = node
             outside += 1
-    return inner[:inside], rim[:outside], queue
+    return inner[:inside], rim[:outside]

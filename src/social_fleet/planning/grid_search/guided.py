@@ -5,117 +5,138 @@ from typing import Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.grid_search.buckets import Queue, clear, holds, pop, push, roomy
+from social_fleet.planning.grid_search.buckets import FULL, NEXT, USED, Queue, clear, pop, push
 from social_fleet.planning.grid_search.exemption import Waiver, surround
-from social_fleet.planning.grid_search.hierarchy import Hierarchy, Potentials, aim, distance_to_goal
-from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, Memory, note
+from social_fleet.planning.grid_search.hierarchy import Hierarchy, Potentials, aim, climb
+from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, Memory
 from social_fleet.planning.grid_search.plain import octile
 from social_fleet.planning.lattice import Links
 
-
-@njit(cache=True, nogil=True)
-def bound(links: Links, hierarchy: Hierarchy, potentials: Potentials, node: int, goal: int) -> float:
-    """Lower bound [m] of the cost from a node to the goal: by the hierarchy, or the octile distance without one."""
-    if len(hierarchy.up):
-        return distance_to_goal(hierarchy, potentials, node)
-    return octile(links.row[goal] - links.row[node], links.col[goal] - links.col[node]) * links.lengths[0]
+STRAIGHT_FIRST = (0, 1, 7, 2, 6, 3, 5, 4)  # turns from the heading of arrival, in steps of 45 degrees
 
 
 @njit(cache=True, nogil=True)
-def join(memory: Memory, nodes: np.ndarray) -> Tuple[float, int]:
+def cheapest(links: Links, social: np.ndarray, waiver: Waiver, hierarchy: Hierarchy, potentials: Potentials, start: int,
+             goal: int, memory: Memory, queue: Queue, width: float) -> Tuple[int, int, np.ndarray]:
+    """Search; afterwards `memory` has the way through the node where both sides meet.
+
+    Parameters
+    ----------
+    social : (N, 8) float32 array
+        What edges cost beyond their length [m].
+    width : float
+        Of a bucket [m].
+
+    Returns
+    -------
+    (int, int, array)
+        The meeting node (-1 where there is no path), expanded nodes, and the nodes of both surroundings.
+    """
+    inner, rim = surround(links, waiver, FORWARD, start, memory, queue)
+    goal_inner, goal_rim = surround(links, waiver, BACKWARD, goal, memory, queue)
+    memory.settled[goal_inner] = 1
+    exempt = np.concatenate((inner, goal_inner))
+    near, middle = _join(memory, np.concatenate((inner, rim)))
+    if len(potentials.known):
+        aim(hierarchy, potentials, goal_rim, memory.reached[BACKWARD])
+    beyond, expanded = _connect(links, social, hierarchy, potentials, rim, goal, near, memory, queue, width)
+    return middle if beyond < 0 else beyond, expanded + len(exempt), exempt
+
+
+@njit(cache=True, nogil=True)
+def _join(memory: Memory, nodes: np.ndarray) -> Tuple[float, int]:
     """Cost of the cheapest way through one of the nodes, as both sides know it, and that node; inf and -1 for none."""
+    forward, backward = memory.reached[FORWARD], memory.reached[BACKWARD]
     best, middle = np.inf, -1
     for node in nodes:
-        total = memory.reached[FORWARD, node] + memory.reached[BACKWARD, node]
+        total = forward[node] + backward[node]
         if total < best:
             best, middle = total, node
     return best, middle
 
 
 @njit(cache=True, nogil=True)
-def connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials: Potentials, seeds: np.ndarray,
-            goal: int, best: float, memory: Memory, queue: Queue, width: float) -> Tuple[float, int, int, Queue]:
-    """Search from the seeds on for a way to where the goal's side has been that is cheaper than `best`.
+def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials: Potentials, seeds: np.ndarray,
+             goal: int, best: float, memory: Memory, queue: Queue, width: float) -> Tuple[int, int]:
+    """Go on from the start's rim `seeds` to where the goal's side has been, if that can be done for less than `best`.
 
-    Parameters
-    ----------
-    social : (N, 8) float32 array
-        What edges cost beyond their length [m].
-    seeds : (S,) int32 array
-        Nodes that the start's side has reached and not expanded.
-    width : float
-        Of a bucket [m].
-
-    Returns
-    -------
-    (float, int, int, Queue)
-        The least cost and the node where both sides meet (-1: none is cheaper), expanded nodes, and the queue.
+    Returns the node where both sides meet (-1: none is cheaper) and the number of expanded nodes.
     """
-    middle, expanded, bucket, waiting = -1, 0, 0, 0
+    row, col, up, down, edges_of, lengths = links
+    (rank_of, parent, first, arc_heads), arc_up, _ = hierarchy
+    distance, known, goal_number, stack = potentials
+    aimed, number = len(known) > 0, goal_number[0]
+    reached, onward, settled = memory.reached[FORWARD], memory.reached[BACKWARD], memory.settled
+    arrival, touched, noted = memory.arrival[FORWARD], memory.touched[FORWARD], memory.noted[FORWARD]
+    heads, entry_node, entry_cost, below, state = queue
+    goal_row, goal_col = row[goal], col[goal]
     estimates = np.empty(len(seeds))
     for index in range(len(seeds)):
         node = seeds[index]
-        estimates[index] = memory.reached[FORWARD, node] + bound(links, hierarchy, potentials, node, goal)
+        if aimed:
+            remaining = climb(rank_of[node], parent, first, arc_heads, arc_up, distance, known, number, stack)
+        else:
+            remaining = octile(lengths[0], lengths[1], row[node] - goal_row, col[node] - goal_col)
+        estimates[index] = reached[node] + remaining
     order = np.argsort(estimates)
     base = estimates[order[0]] if len(order) else np.inf
-    clear(queue)
-    queue = roomy(queue, len(seeds))
-    while base + bucket * width < best and (queue.used[FORWARD] > 0 or waiting < len(order)):
+    middle, expanded, bucket, waiting = -1, 0, 0, 0
+    clear(heads, state)
+    if len(seeds) > len(entry_node):
+        state[FULL] = 1
+        return middle, expanded
+    while base + bucket * width < best and (state[USED] > 0 or waiting < len(order)):
         while waiting < len(order) and estimates[order[waiting]] < base + (bucket + 1) * width:
             node = seeds[order[waiting]]
-            push(queue, FORWARD, bucket, node, memory.reached[FORWARD, node])
+            push(heads, entry_node, entry_cost, below, state, bucket, node, reached[node])
             waiting += 1
-        if not holds(queue, FORWARD, bucket):
-            if queue.used[FORWARD] == 0 and not estimates[order[waiting]] < np.inf:
+        entry = pop(heads, below, state, bucket)
+        if entry < 0:
+            if state[USED] == 0 and not estimates[order[waiting]] < np.inf:
                 break
             bucket += 1
             continue
-        entry = pop(queue, FORWARD, bucket)
-        node, cost = np.int64(queue.node[entry]), queue.cost[entry]
-        if cost > memory.reached[FORWARD, node]:
+        node, cost = np.int64(entry_node[entry]), entry_cost[entry]
+        if cost > reached[node]:
             continue
-        if cost + memory.reached[BACKWARD, node] < best:
-            best, middle = cost + memory.reached[BACKWARD, node], node
-        if memory.seen[node] >> BACKWARD & 1:
+        if cost + onward[node] < best:
+            best, middle = cost + onward[node], node
+        if settled[node]:
             continue
         expanded += 1
-        queue = roomy(queue, 8)
-        above, below = np.int64(links.up[node]), np.int64(links.down[node])
-        around = (node + 1, above + 1, above, above - 1, node - 1, below - 1, below, below + 1)
-        edges = links.edges[node]
-        for k in range(8):
+        if state[NEXT] + 9 + len(order) - waiting > len(entry_node):
+            state[FULL] = 1
+            break
+        over, under = np.int64(up[node]), np.int64(down[node])
+        around = (node + 1, over + 1, over, over - 1, node - 1, under - 1, under, under + 1)
+        edges, ahead = edges_of[node], arrival[node]
+        for turn in STRAIGHT_FIRST:
+            k = (ahead + turn) & 7
             if not edges >> k & 1:
                 continue
             other = around[k]
-            total = cost + links.lengths[k] + social[node, k]
-            if total >= memory.reached[FORWARD, other]:
+            total = cost + lengths[k] + social[node, k]
+            if total >= reached[other]:
                 continue
-            estimate = total + bound(links, hierarchy, potentials, other, goal)
+            if aimed:
+                rank = rank_of[other]
+                remaining = distance[rank] if known[rank] == number else climb(
+                    rank, parent, first, arc_heads, arc_up, distance, known, number, stack)
+            else:
+                remaining = octile(lengths[0], lengths[1], row[other] - goal_row, col[other] - goal_col)
+            estimate = total + remaining
             if estimate >= best:
                 continue
-            note(memory, FORWARD, other, total, k)
-            push(queue, FORWARD, max(int((estimate - base) / width), bucket), other, total)
-    return best, middle, expanded, queue
-
-
-@njit(cache=True, nogil=True)
-def cheapest(links: Links, social: np.ndarray, waiver: Waiver, hierarchy: Hierarchy, potentials: Potentials, start: int,
-             goal: int, memory: Memory, queue: Queue, width: float) -> Tuple[float, int, int, np.ndarray, Queue]:
-    """Search; afterwards `memory` has the way through the node where both sides meet.
-
-    Returns
-    -------
-    (float, int, int, array, Queue)
-        Cost [m] and meeting node (inf and -1 where there is no path), expanded nodes, the nodes of both surroundings,
-        and the queue.
-    """
-    inner, rim, queue = surround(links, waiver, FORWARD, start, memory, queue)
-    goal_inner, goal_rim, queue = surround(links, waiver, BACKWARD, goal, memory, queue)
-    for node in goal_inner:
-        memory.seen[node] |= np.uint8(1 << BACKWARD)
-    exempt = np.concatenate((inner, goal_inner))
-    near, middle = join(memory, np.concatenate((exempt, rim)))
-    if len(hierarchy.up):
-        aim(hierarchy, potentials, goal_rim, memory.reached[BACKWARD])
-    cost, beyond, expanded, queue = connect(links, social, hierarchy, potentials, rim, goal, near, memory, queue, width)
-    return cost, middle if beyond < 0 else beyond, expanded + len(exempt), exempt, queue
+            if reached[other] == np.inf:
+                touched[noted] = other
+                noted += 1
+            reached[other] = total
+            arrival[other] = k
+            if estimate <= base:
+                # No way can be cheaper than this one, so the node's other edges wait until it proves longer.
+                push(heads, entry_node, entry_cost, below, state, bucket, node, cost)
+                push(heads, entry_node, entry_cost, below, state, bucket, other, total)
+                break
+            push(heads, entry_node, entry_cost, below, state, max(int((estimate - base) / width), bucket), other, total)
+    memory.noted[FORWARD] = noted
+    return middle, expanded

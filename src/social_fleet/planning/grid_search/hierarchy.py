@@ -1,9 +1,8 @@
 """Exact distances from anywhere to a goal, a few hundred additions each: the customised hierarchy.
 
 On the skeleton of `dissection`, every arc gets the cost of the cheapest way between its ends over lower nodes, in both
-directions. The cheapest way between any two nodes then climbs from one and descends to the other. Costs are float32,
-and every sum is rounded down, so what the hierarchy tells never exceeds the true distance: A* may rely on it as a
-lower bound, and falls short of it by parts in a million.
+directions. The cheapest way between any two nodes then climbs from one and descends to the other. Costs are whole
+numbers of `UNIT`, so sums are exact, up to four kilometres; what is dearer counts as that, a lower bound.
 
 References
 ----------
@@ -17,13 +16,14 @@ import numpy as np
 from numba import njit
 
 from social_fleet.planning.grid_search.dissection import Skeleton
-from social_fleet.planning.lattice import Links, neighbour
+from social_fleet.planning.lattice import Links, step
 
-ROUND_DOWN = np.float32(1.0 - 2.0 ** -22)  # more than what two roundings to float32 can add
+UNIT = 2.0 ** -20  # [m], about a micrometre
+DEAREST = 2 ** 32 - 1  # [UNIT]
 
 
 class Hierarchy(NamedTuple):
-    """A skeleton with costs: of every arc upwards (low to high) and downwards, (A,) float32 [m]."""
+    """A skeleton with costs: of every arc upwards (low to high) and downwards, (A,) uint32 [UNIT]."""
 
     skeleton: Skeleton
     up: np.ndarray
@@ -53,11 +53,10 @@ class Potentials(NamedTuple):
 
 def customised(links: Links, skeleton: Skeleton, social: np.ndarray) -> Hierarchy:
     """The hierarchy of a lattice with given social costs (N, 8) [m], infinite where there is no edge."""
-    up = np.full(len(skeleton.heads), np.inf, dtype=np.float32)
+    up = np.full(len(skeleton.heads), DEAREST, dtype=np.uint32)
     down = up.copy()
     _enter_edges(links, skeleton, social, up, down)
-    lower, tails = _lower_arcs(skeleton)
-    _enter_triangles(skeleton, lower, tails, up, down)
+    _enter_triangles(skeleton, *_lower_arcs(skeleton), up, down)
     return Hierarchy(skeleton, up, down)
 
 
@@ -65,7 +64,7 @@ def no_hierarchy() -> Hierarchy:
     """One without arcs, for searches that have to do without."""
     nothing = np.zeros(0, dtype=np.int32)
     return Hierarchy(Skeleton(nothing, nothing, np.zeros(1, dtype=np.int64), nothing),
-                     np.zeros(0, dtype=np.float32), np.zeros(0, dtype=np.float32))
+                     np.zeros(0, dtype=np.uint32), np.zeros(0, dtype=np.uint32))
 
 
 def new_potentials(nodes: int) -> Potentials:
@@ -77,16 +76,17 @@ def new_potentials(nodes: int) -> Potentials:
 @njit(cache=True, nogil=True)
 def _enter_edges(links: Links, skeleton: Skeleton, social: np.ndarray, up: np.ndarray, down: np.ndarray) -> None:
     """Give arcs between neighbours the cost of the edges between them."""
-    for node in range(len(links.row)):
-        tail = skeleton.rank[node]
+    _, _, over, under, edges_of, lengths = links
+    rank_of, _, first, heads = skeleton
+    for node in range(len(rank_of)):
+        tail = rank_of[node]
         for k in range(8):
-            if not links.edges[node] >> k & 1:
+            if not edges_of[node] >> k & 1:
                 continue
-            head = skeleton.rank[neighbour(links, node, k)]
-            cost = np.float32(links.lengths[k] + social[node, k]) * ROUND_DOWN
+            head = rank_of[step(over, under, node, k)]
+            cost = np.uint32(min(round((lengths[k] + social[node, k]) / UNIT), DEAREST))
             low, high = min(tail, head), max(tail, head)
-            begin, end = skeleton.first[low], skeleton.first[low + 1]
-            arc = begin + np.searchsorted(skeleton.heads[begin:end], high)
+            arc = first[low] + np.searchsorted(heads[first[low]:first[low + 1]], high)
             if tail < head:
                 up[arc] = cost
             else:
@@ -94,96 +94,94 @@ def _enter_edges(links: Links, skeleton: Skeleton, social: np.ndarray, up: np.nd
 
 
 @njit(cache=True, nogil=True)
-def _lower_arcs(skeleton: Skeleton) -> Tuple[np.ndarray, np.ndarray]:
-    """The arcs that lead to each rank, one rank after the other, and where each rank's begin."""
-    count = len(skeleton.parent)
-    begin = np.zeros(count + 1, dtype=np.int64)
-    for head in skeleton.heads:
+def _lower_arcs(skeleton: Skeleton) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The arcs that lead to each rank, one rank after the other, their tails, and where each rank's begin."""
+    _, parent, first, heads = skeleton
+    begin = np.zeros(len(parent) + 1, dtype=np.int64)
+    for head in heads:
         begin[head + 1] += 1
-    for rank in range(count):
+    for rank in range(len(parent)):
         begin[rank + 1] += begin[rank]
-    arcs = np.empty(len(skeleton.heads), dtype=np.int32)
+    arcs, tails = np.empty(len(heads), dtype=np.int32), np.empty(len(heads), dtype=np.int32)
     place = begin.copy()
-    for tail in range(count):
-        for arc in range(skeleton.first[tail], skeleton.first[tail + 1]):
-            head = skeleton.heads[arc]
-            arcs[place[head]] = arc
+    for tail in range(len(parent)):
+        for arc in range(first[tail], first[tail + 1]):
+            head = heads[arc]
+            arcs[place[head]], tails[place[head]] = arc, tail
             place[head] += 1
-    return arcs, begin
+    return arcs, tails, begin
 
 
 @njit(cache=True, nogil=True)
-def _enter_triangles(skeleton: Skeleton, lower: np.ndarray, begin: np.ndarray, up: np.ndarray,
+def _enter_triangles(skeleton: Skeleton, arcs: np.ndarray, tails: np.ndarray, begin: np.ndarray, up: np.ndarray,
                      down: np.ndarray) -> None:
     """From the lowest on, let arcs x-y take the way over every lower node v that has arcs to both."""
-    count = len(skeleton.parent)
-    arc_to = np.zeros(count, dtype=np.int64)
-    tail_end = np.empty(len(skeleton.heads), dtype=np.int32)
-    for v in range(count):
-        tail_end[skeleton.first[v]:skeleton.first[v + 1]] = skeleton.first[v + 1]
-    for x in range(count):
-        for arc in range(skeleton.first[x], skeleton.first[x + 1]):
-            arc_to[skeleton.heads[arc]] = arc
+    _, parent, first, heads = skeleton
+    arc_to = np.zeros(len(parent), dtype=np.int64)
+    for x in range(len(parent)):
+        for arc in range(first[x], first[x + 1]):
+            arc_to[heads[arc]] = arc
         for index in range(begin[x], begin[x + 1]):
-            vx = lower[index]
-            to_x, from_x = up[vx], down[vx]
-            for vy in range(vx + 1, tail_end[vx]):
-                xy = arc_to[skeleton.heads[vy]]
-                up[xy] = min(up[xy], (from_x + up[vy]) * ROUND_DOWN)
-                down[xy] = min(down[xy], (down[vy] + to_x) * ROUND_DOWN)
+            v, vx = tails[index], arcs[index]
+            to_x, from_x = np.int64(up[vx]), np.int64(down[vx])
+            for vy in range(vx + 1, first[v + 1]):
+                xy = arc_to[heads[vy]]
+                up[xy] = min(np.int64(up[xy]), from_x + up[vy])
+                down[xy] = min(np.int64(down[xy]), down[vy] + to_x)
 
 
 @njit(cache=True, nogil=True)
 def aim(hierarchy: Hierarchy, potentials: Potentials, rim: np.ndarray, remaining: np.ndarray) -> None:
     """Make the goal one that is reached over any of the nodes `rim`, from each at the cost `remaining[node]` [m]."""
-    skeleton, distance, known, stack = hierarchy.skeleton, potentials.distance, potentials.known, potentials.stack
-    potentials.goal[0] += 1
-    goal, count = potentials.goal[0], 0
+    (rank_of, parent, first, heads), up, down = hierarchy
+    distance, known, number, stack = potentials
+    number[0] += 1
+    goal, count = number[0], 0
     for node in rim:
-        rank = skeleton.rank[node]
+        rank = rank_of[node]
         while rank >= 0 and known[rank] != goal:
             known[rank] = goal
             distance[rank] = np.inf
             stack[count] = rank
             count += 1
-            rank = skeleton.parent[rank]
+            rank = parent[rank]
     for node in rim:
-        rank = skeleton.rank[node]
+        rank = rank_of[node]
         distance[rank] = min(distance[rank], remaining[node])
-    climb = np.sort(stack[:count])
-    for rank in climb:
+    ascending = np.sort(stack[:count])
+    for rank in ascending:
         here = distance[rank]
-        for arc in range(skeleton.first[rank], skeleton.first[rank + 1]):
-            head = skeleton.heads[arc]
-            distance[head] = min(distance[head], hierarchy.down[arc] + here)
-    for rank in climb[::-1]:
-        distance[rank] = min(distance[rank], _over_the_top(hierarchy, distance, rank))
+        for arc in range(first[rank], first[rank + 1]):
+            head = heads[arc]
+            distance[head] = min(distance[head], down[arc] * UNIT + here)
+    for rank in ascending[::-1]:
+        best = distance[rank]
+        for arc in range(first[rank], first[rank + 1]):
+            best = min(best, up[arc] * UNIT + distance[heads[arc]])
+        distance[rank] = best
 
 
 @njit(cache=True, nogil=True)
-def _over_the_top(hierarchy: Hierarchy, distance: np.ndarray, rank: int) -> float:
-    """Distance to the goal by an arc upwards."""
-    skeleton = hierarchy.skeleton
-    best = np.inf
-    for arc in range(skeleton.first[rank], skeleton.first[rank + 1]):
-        best = min(best, hierarchy.up[arc] + distance[skeleton.heads[arc]])
-    return best
-
-
-@njit(cache=True, nogil=True)
-def distance_to_goal(hierarchy: Hierarchy, potentials: Potentials, node: int) -> float:
-    """Distance [m] from a node to the present goal: never more than the true one."""
-    skeleton, known, goal = hierarchy.skeleton, potentials.known, potentials.goal[0]
-    lowest = skeleton.rank[node]
-    if known[lowest] == goal:
-        return potentials.distance[lowest]
-    rank, count = lowest, 0
-    while rank >= 0 and known[rank] != goal:
-        potentials.stack[count] = rank
+def climb(rank: int, parent: np.ndarray, first: np.ndarray, heads: np.ndarray, up: np.ndarray, distance: np.ndarray,
+          known: np.ndarray, goal: int, stack: np.ndarray) -> float:
+    """Distance [m] from a rank to the present goal; the arrays are those of `Hierarchy` and `Potentials`."""
+    count, higher = 0, rank
+    while higher >= 0 and known[higher] != goal:
+        stack[count] = higher
         count += 1
-        rank = skeleton.parent[rank]
+        higher = parent[higher]
     for index in range(count - 1, -1, -1):
-        rank = potentials.stack[index]
-        potentials.distance[rank] = _over_the_top(hierarchy, potentials.distance, rank)
-        known[rank] = goal
-    return potentials.distance[lowest]
+        lower = stack[index]
+        best = np.inf
+        for arc in range(first[lower], first[lower + 1]):
+            best = min(best, up[arc] * UNIT + distance[heads[arc]])
+        distance[lower] = best
+        known[lower] = goal
+    return distance[rank]
+
+
+def distance_to_goal(hierarchy: Hierarchy, potentials: Potentials, node: int) -> float:
+    """Distance [m] from a node to the present goal."""
+    _, parent, first, heads = hierarchy.skeleton
+    return float(climb(hierarchy.skeleton.rank[node], parent, first, heads, hierarchy.up, potentials.distance,
+                       potentials.known, potentials.goal[0], potentials.stack))

@@ -5,11 +5,9 @@ from typing import NamedTuple, Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.lattice import Links, neighbour
+from social_fleet.planning.lattice import Links, step
 
 FORWARD, BACKWARD = 0, 1
-# Flags of a node in `Memory.seen`, from which on its first index counts as FORWARD or BACKWARD.
-TOUCHED = 4
 
 
 class Memory(NamedTuple):
@@ -21,17 +19,17 @@ class Memory(NamedTuple):
         Cost to reach the node, or to go on from it to the goal: inf where not known, -inf where it must not be entered.
     arrival : (2, N) uint8 array
         Heading of the edge by which it was reached, or by which it is left towards the goal.
-    seen : (N,) uint8 array
-        Bit `side` is set when that side has expanded the node, bit 2 when it is listed in `touched`.
-    touched : (N,) int32 array
-        Nodes that the search has come to.
-    noted : (1,) int64 array
+    settled : (N,) uint8 array
+        1 where the way on to the goal is known and final.
+    touched : (2, N) int32 array
+        Nodes that each side has come to.
+    noted : (2,) int64 array
         How many these are.
     """
 
     reached: np.ndarray
     arrival: np.ndarray
-    seen: np.ndarray
+    settled: np.ndarray
     touched: np.ndarray
     noted: np.ndarray
 
@@ -39,54 +37,46 @@ class Memory(NamedTuple):
 def new_memory(nodes: int) -> Memory:
     """Memory for so many nodes."""
     return Memory(np.full((2, nodes), np.inf), np.zeros((2, nodes), dtype=np.uint8), np.zeros(nodes, dtype=np.uint8),
-                  np.empty(nodes, dtype=np.int32), np.zeros(1, dtype=np.int64))
-
-
-@njit(cache=True, nogil=True)
-def note(memory: Memory, side: int, node: int, cost: float, heading: int) -> None:
-    """Remember a cheaper way to a node."""
-    if not memory.seen[node] & TOUCHED:
-        memory.seen[node] |= np.uint8(TOUCHED)
-        memory.touched[memory.noted[0]] = node
-        memory.noted[0] += 1
-    memory.reached[side, node] = cost
-    memory.arrival[side, node] = heading
+                  np.empty((2, nodes), dtype=np.int32), np.zeros(2, dtype=np.int64))
 
 
 @njit(cache=True, nogil=True)
 def forget(memory: Memory) -> None:
     """Make the memory as new."""
-    for index in range(memory.noted[0]):
-        node = memory.touched[index]
-        memory.reached[FORWARD, node] = np.inf
-        memory.reached[BACKWARD, node] = np.inf
-        memory.seen[node] = 0
-    memory.noted[0] = 0
+    for side in range(2):
+        reached, touched = memory.reached[side], memory.touched[side]
+        settled = memory.settled
+        for index in range(memory.noted[side]):
+            reached[touched[index]] = np.inf
+            settled[touched[index]] = 0
+        memory.noted[side] = 0
 
 
 @njit(cache=True, nogil=True)
 def trace(links: Links, memory: Memory, start: int, middle: int, goal: int) -> Tuple[np.ndarray, np.ndarray]:
     """Nodes and headings of the path from start to goal through a node that both sides have reached."""
-    before, after = 0, 0
-    node = middle
-    while node != start:
-        node = neighbour(links, node, (memory.arrival[FORWARD, node] + 4) % 8)
-        before += 1
-    node = middle
-    while node != goal:
-        node = neighbour(links, node, memory.arrival[BACKWARD, node])
-        after += 1
-    nodes = np.empty(before + after + 1, dtype=np.int32)
-    headings = np.empty(before + after, dtype=np.uint8)
-    node = middle
-    for i in range(before - 1, -1, -1):
-        nodes[i + 1] = node
-        headings[i] = memory.arrival[FORWARD, node]
-        node = neighbour(links, node, (headings[i] + 4) % 8)
-    nodes[0] = start
-    node = middle
-    for i in range(before, before + after):
-        headings[i] = memory.arrival[BACKWARD, node]
-        node = neighbour(links, node, headings[i])
-        nodes[i + 1] = node
+    before = _follow(links, memory.arrival[FORWARD], middle, start, 4)
+    after = _follow(links, memory.arrival[BACKWARD], middle, goal, 0)
+    nodes = np.concatenate((before[::-1], after[1:]))
+    headings = np.empty(len(nodes) - 1, dtype=np.uint8)
+    for i in range(len(before) - 1):
+        headings[len(before) - 2 - i] = memory.arrival[FORWARD, before[i]]
+    for i in range(len(after) - 1):
+        headings[len(before) - 1 + i] = memory.arrival[BACKWARD, after[i]]
     return nodes, headings
+
+
+@njit(cache=True, nogil=True)
+def _follow(links: Links, arrival: np.ndarray, node: int, end: int, turn: int) -> np.ndarray:
+    """Nodes from `node` to `end` by the edges in heading `arrival` + `turn`."""
+    up, down = links.up, links.down
+    nodes = np.empty(256, dtype=np.int32)
+    nodes[0] = node
+    count = 1
+    while node != end:
+        if count == len(nodes):
+            nodes = np.concatenate((nodes, nodes))
+        node = step(up, down, node, (arrival[node] + turn) & 7)
+        nodes[count] = node
+        count += 1
+    return nodes[:count]

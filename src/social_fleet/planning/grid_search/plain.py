@@ -1,77 +1,76 @@
 """Plain A*: the shortest path, with the octile distance as its heuristic."""
 
-import math
-from typing import Tuple
-
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.grid_search.buckets import Queue, clear, holds, pop, push, roomy
-from social_fleet.planning.grid_search.memory import FORWARD, Memory, note
+from social_fleet.planning.grid_search.buckets import FULL, NEXT, USED, Queue, clear, pop, push
+from social_fleet.planning.grid_search.memory import FORWARD, Memory
 from social_fleet.planning.lattice import DCOL, DROW, Links
 
-OCTILE = math.sqrt(2.0) - 1.0
-
 
 @njit(cache=True, nogil=True)
-def octile(drow: int, dcol: int) -> float:
-    """Length in cells of the shortest 8-connected path over an empty map."""
+def octile(straight: float, diagonal: float, drow: int, dcol: int) -> float:
+    """Length of the shortest 8-connected path over an empty map, with edges of these two lengths."""
     drow, dcol = abs(drow), abs(dcol)
-    return max(drow, dcol) + OCTILE * min(drow, dcol)
+    return straight * abs(drow - dcol) + diagonal * min(drow, dcol)
 
 
 @njit(cache=True, nogil=True)
-def shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue, width: float) -> Tuple[int, Queue]:
-    """Search; afterwards `memory` has the way to the goal, if there is any.
+def shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue, width: float) -> int:
+    """Search with buckets of a `width` [m]: afterwards `memory` has the way to the goal, if there is any.
 
-    Parameters
-    ----------
-    width : float
-        Of a bucket [m].
-
-    Returns
-    -------
-    (int, Queue)
-        Expanded nodes, and the queue, perhaps grown.
+    Returns the number of expanded nodes.
     """
-    resolution = links.lengths[0]
-    goal_row, goal_col = links.row[goal], links.col[goal]
-    base = octile(goal_row - links.row[start], goal_col - links.col[start]) * resolution
-    clear(queue)
-    note(memory, FORWARD, start, 0.0, 0)
-    push(queue, FORWARD, 0, start, 0.0)
-    expanded, bucket, best = 0, 0, np.inf
-    while queue.used[FORWARD] > 0:
-        if not holds(queue, FORWARD, bucket):
+    row, col, up, down, edges_of, lengths = links
+    reached, arrival, touched = memory.reached[FORWARD], memory.arrival[FORWARD], memory.touched[FORWARD]
+    heads, entry_node, entry_cost, below, state = queue
+    straight, diagonal = lengths[0], lengths[1]
+    goal_row, goal_col = row[goal], col[goal]
+    base = octile(straight, diagonal, goal_row - row[start], goal_col - col[start])
+    clear(heads, state)
+    reached[start] = 0.0
+    touched[0] = start
+    push(heads, entry_node, entry_cost, below, state, 0, start, 0.0)
+    expanded, bucket, noted, best = 0, 0, 1, np.inf
+    while state[USED] > 0:
+        entry = pop(heads, below, state, bucket)
+        if entry < 0:
             bucket += 1
             if base + bucket * width > best:
                 break
             continue
-        entry = pop(queue, FORWARD, bucket)
-        node, cost = np.int64(queue.node[entry]), queue.cost[entry]
-        if cost > memory.reached[FORWARD, node]:
+        node, cost = np.int64(entry_node[entry]), entry_cost[entry]
+        if cost > reached[node]:
             continue
         if node == goal:
             best = cost
             continue
-        r, c = links.row[node], links.col[node]
-        if cost + octile(r - goal_row, c - goal_col) * resolution >= best:
+        r, c = row[node] - goal_row, col[node] - goal_col
+        if cost + octile(straight, diagonal, r, c) >= best:
             continue
         expanded += 1
-        queue = roomy(queue, 8)
-        above, below = np.int64(links.up[node]), np.int64(links.down[node])
-        around = (node + 1, above + 1, above, above - 1, node - 1, below - 1, below, below + 1)
-        edges = links.edges[node]
+        if state[NEXT] + 8 > len(entry_node):
+            state[FULL] = 1
+            break
+        over, under = np.int64(up[node]), np.int64(down[node])
+        around = (node + 1, over + 1, over, over - 1, node - 1, under - 1, under, under + 1)
+        edges = edges_of[node]
         for k in range(8):
             if not edges >> k & 1:
                 continue
             other = around[k]
-            total = cost + links.lengths[k]
-            if total >= memory.reached[FORWARD, other]:
+            total = cost + (diagonal if k & 1 else straight)
+            known = reached[other]
+            if total >= known:
                 continue
-            estimate = total + octile(r + DROW[k] - goal_row, c + DCOL[k] - goal_col) * resolution
+            estimate = total + octile(straight, diagonal, r + DROW[k], c + DCOL[k])
             if estimate >= best:
                 continue
-            note(memory, FORWARD, other, total, k)
-            push(queue, FORWARD, max(int((estimate - base) / width), bucket), other, total)
-    return expanded, queue
+            if known == np.inf:
+                touched[noted] = other
+                noted += 1
+            reached[other] = total
+            arrival[other] = k
+            push(heads, entry_node, entry_cost, below, state, max(int((estimate - base) / width), bucket), other, total)
+    memory.noted[FORWARD] = noted
+    return expanded
