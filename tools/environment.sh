@@ -63,6 +63,7 @@ use_compiled_code() {
   if ! mkdir -p "$cache" 2>/dev/null || [ ! -w "$cache" ]; then
     cache=${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/social_fleet/numba
   fi
+  export SOCIAL_FLEET_CACHE=${SOCIAL_FLEET_CACHE-${cache%/numba}/arrays}  # what planners precompute for a map
   digest=$(cd "$ROOT/src" && grep -rl --include='*.py' numba . | sort | xargs -r cat | sha256sum)
   export NUMBA_CACHE_DIR=$cache/${digest:0:16}
   mkdir -p "$NUMBA_CACHE_DIR" 2>/dev/null || unset NUMBA_CACHE_DIR

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Callable, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 from numba import njit
 
+from social_fleet.planning.cache import cached, digest_of
 from social_fleet.planning.grid_search.buckets import FULL, new_queue
 from social_fleet.planning.grid_search.dissection import Skeleton, dissect
 from social_fleet.planning.grid_search.exemption import Waiver
@@ -121,9 +122,21 @@ class Search:
             social, waiver = _with_graph(social, graph, self._epsilon), Waiver(self._radius, graph, self._epsilon)
         if not prepared or not len(self._lattice):
             return Metric(social, waiver, no_hierarchy())
+        return Metric(social, waiver, self._hierarchy(social))
+
+    def _hierarchy(self, social: np.ndarray) -> Hierarchy:
+        """For any costs; that for Eq. 2 is kept on disk."""
+        links = self._links
         if self._skeleton is None:
-            self._skeleton = dissect(self._links)
-        return Metric(social, waiver, customised(self._links, self._skeleton, social))
+            digest = digest_of(links.row, links.col, links.edges)
+            arrays = cached("skeleton", digest, lambda: dissect(links)._asdict())
+            self._skeleton = Skeleton(**arrays)
+        skeleton = self._skeleton
+        if social is not self._social:
+            return customised(links, skeleton, social)
+        digest = digest_of(links.row, links.col, links.edges, links.lengths, social)
+        arrays = cached("hierarchy", digest, lambda: _costs_of(customised(links, skeleton, social)))
+        return Hierarchy(skeleton, **arrays)
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
         """The shortest path between two nodes by plain A*, without social cost. See `cheapest`."""
@@ -203,6 +216,10 @@ def _evaluate(lengths: np.ndarray, social: np.ndarray, graph: np.ndarray, epsilo
         if exempt[node] or exempt[nodes[i + 1]]:
             steps[1, i] = epsilon if len(graph) and not graph[node] >> heading & 1 else 0.0
     return steps
+
+
+def _costs_of(hierarchy: Hierarchy) -> Dict[str, np.ndarray]:
+    return {"up": hierarchy.up, "down": hierarchy.down}
 
 
 def _whole_units(costs: np.ndarray) -> np.ndarray:

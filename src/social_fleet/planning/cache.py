@@ -1,0 +1,140 @@
+"""A cache on disk for arrays that take long to work out: what a planner precomputes for a map.
+
+Every file is named by a digest of all that its content depends on, so it is right or not there. It appears whole by a
+rename, so two processes that write it at once do no harm; one that was cut short later is found out by its size.
+"""
+
+import hashlib
+import json
+import logging
+import math
+import mmap
+import os
+from typing import IO, Any, Callable, Dict, Mapping, Tuple
+
+import numpy as np
+
+from social_fleet.errors import InvalidInput
+from social_fleet.files import atomic_write
+
+log = logging.getLogger(__name__)
+
+FOLDER = "SOCIAL_FLEET_CACHE"  # the environment variable that names the folder; empty: no cache
+FORMAT, VERSION = "social_fleet arrays", 1
+LARGEST = 1 << 30  # [bytes] of all files together; the oldest go first
+ALIGNMENT = 64  # [bytes]
+SUFFIX = ".arrays"
+
+
+def cache_folder() -> str:
+    """Where the files lie: $SOCIAL_FLEET_CACHE, else social_fleet in the user's cache folder; empty for nowhere."""
+    default = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "social_fleet")
+    return os.environ.get(FOLDER, default)
+
+
+def digest_of(*parts: Any) -> str:
+    """A digest (hex) of arrays, and of other values by their JSON."""
+    digest = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        if isinstance(part, np.ndarray):
+            header: Any = [part.dtype.str, part.shape]
+            content = np.ascontiguousarray(part).data.cast("B") if part.size else b""
+        else:
+            header, content = part, b""
+        digest.update(json.dumps(header, sort_keys=True).encode() + b"\0")
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def cached(kind: str, digest: str, compute: Callable[[], Mapping[str, np.ndarray]]) -> Dict[str, np.ndarray]:
+    """Arrays by name from the cache, or worked out and put there.
+
+    A file that cannot be used is worked out anew, and one that cannot be written is done without; the log says which.
+
+    Parameters
+    ----------
+    kind : str
+        What it is, the first part of the file's name.
+    digest : str
+        Of all that the arrays depend on.
+    compute : callable
+        Works them out.
+    """
+    folder = cache_folder()
+    if not folder:
+        return dict(compute())
+    path = os.path.join(folder, f"{kind}-{digest}{SUFFIX}")
+    try:
+        return _read(path)
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:
+        log.warning("the cache file %s is made anew: %s", path, error)
+    arrays = dict(compute())
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with atomic_write(path, "wb") as stream:
+            _write(stream, arrays)
+        _drop_oldest(folder, path)
+    except (OSError, InvalidInput) as error:
+        log.warning("nothing is cached on disk: %s", error)
+    return arrays
+
+
+def _write(stream: IO[bytes], arrays: Mapping[str, np.ndarray]) -> None:
+    """A line of JSON that tells what follows, then the arrays."""
+    entries, offset = [], 0
+    for name, array in arrays.items():
+        entries.append({"name": name, "dtype": array.dtype.str, "shape": list(array.shape), "offset": offset})
+        offset += _aligned(array.nbytes)
+    header = json.dumps({"format": FORMAT, "version": VERSION, "size": offset, "arrays": entries}).encode()
+    stream.write(header + b" " * (_aligned(len(header) + 1) - len(header) - 1) + b"\n")
+    for array in arrays.values():
+        stream.write(np.ascontiguousarray(array).data)
+        stream.write(b"\0" * (_aligned(array.nbytes) - array.nbytes))
+
+
+def _aligned(size: int) -> int:
+    return -(-size // ALIGNMENT) * ALIGNMENT
+
+
+def _read(path: str) -> Dict[str, np.ndarray]:
+    """The arrays of a file, mapped into memory; ValueError says what is wrong with it."""
+    with open(path, "rb") as stream:
+        header, start = _read_header(stream)
+        if os.fstat(stream.fileno()).st_size != start + header["size"]:
+            raise ValueError("it was cut short")
+        # Private, so that the arrays may be written to like any other; kernels are compiled for such ones.
+        content = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_COPY)
+    arrays = {}
+    for entry in header["arrays"]:
+        dtype, count = np.dtype(entry["dtype"]), math.prod(entry["shape"])
+        place = start + entry["offset"] if count else 0  # an empty array may lie behind the end
+        arrays[entry["name"]] = np.frombuffer(content, dtype, count, place).reshape(entry["shape"])
+    return arrays
+
+
+def _read_header(stream: IO[bytes]) -> Tuple[Dict[str, Any], int]:
+    """The header, and where the arrays begin."""
+    line = stream.readline(1 << 16)
+    try:
+        header = json.loads(line)
+        known = header["format"], header["version"]
+    except (ValueError, TypeError, KeyError):
+        raise ValueError("it is no cache file, or was cut short") from None
+    if known != (FORMAT, VERSION):
+        raise ValueError(f"it is of {known[0]!r}, version {known[1]}")
+    return header, len(line)
+
+
+def _drop_oldest(folder: str, newest: str) -> None:
+    """Delete the files that were written first until those left are not too large together."""
+    paths = [entry.path for entry in os.scandir(folder) if entry.name.endswith(SUFFIX) and entry.path != newest]
+    paths.sort(key=os.path.getmtime)
+    sizes = {path: os.path.getsize(path) for path in paths}
+    total = sum(sizes.values()) + os.path.getsize(newest)
+    for path in paths:
+        if total <= LARGEST:
+            break
+        os.unlink(path)
+        total -= sizes[path]
