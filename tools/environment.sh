@@ -47,6 +47,9 @@ use_ros() {
   set +u
   # shellcheck disable=SC1091
   source "$WORKSPACE/devel/setup.bash"
+  # Packages built from source elsewhere, such as global_planner, which some benchmarks and tests use where they are.
+  # shellcheck disable=SC1091
+  [ -z "${SOCIAL_FLEET_EXTRA_WORKSPACE:-}" ] || source "$SOCIAL_FLEET_EXTRA_WORKSPACE/devel/setup.bash" --extend
   set -u
   MASTER_PORT=$(free_port)
   export ROS_MASTER_URI=http://localhost:$MASTER_PORT ROS_HOSTNAME=localhost

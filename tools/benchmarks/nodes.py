@@ -1,65 +1,43 @@
-"""Nodes: from the second start of map_publisher and social_planner until PlanPath answers, on a real map."""
+"""Nodes: from the second start of map_publisher and social_planner until PlanPath answers on a real map, and memory."""
 
 import os
-import signal
-import subprocess
 import time
-from typing import Callable
+from typing import Callable, Tuple
 
+from .processes import LIMIT, ros_master, running, wait_for
 from .worlds import ROOT, map_files
 
 STARTS = 4  # the first compiles what Numba has not compiled yet
-LIMIT = 120.0  # [s]
+MEMORY = 400  # [MB] wanted at most
 
 
 def run(say: Callable[[str], None]) -> bool:
-    """Seconds from launch to answer; a master runs already."""
-    import rosgraph
+    """Seconds from launch to answer, and what the planner holds in memory then and at most."""
     map_file = map_files().get("willow", map_files()["office_floor"])
-    master = _spawn("roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1])
-    try:
-        _wait(rosgraph.is_master_online)
-        taken = [_start(map_file) for _ in range(STARTS)]
-    finally:
-        _stop(master)
-    say(f"{os.path.basename(map_file)}: first start {taken[0]:.1f} s, then "
-        f"{', '.join(f'{seconds:.2f}' for seconds in taken[1:])} s, wanted <= 3 s")
+    with ros_master():
+        taken, held, most = zip(*(_start(map_file) for _ in range(STARTS)))
+    name = os.path.basename(map_file)
+    say(f"{name}: first start {taken[0]:.1f} s, then {', '.join(f'{seconds:.2f}' for seconds in taken[1:])} s, "
+        "wanted <= 3 s")
+    say(f"{name}: the planner node holds {max(held):.0f} MB, at most {max(most):.0f} MB, wanted <= {MEMORY} MB")
     return True
 
 
-def _start(map_file: str) -> float:
-    """Seconds until the planner, started beside its map, answers a request with anything but 'no map yet'."""
+def _start(map_file: str) -> Tuple[float, float, float]:
+    """Seconds until the planner, started beside its map, answers anything but 'no map yet'; its memory and peak [MB]."""
     import rospy
     from social_fleet.srv import PlanPath, PlanPathResponse
     begun = time.monotonic()
-    nodes = [_spawn(os.path.join(ROOT, "scripts", "map_publisher"), f"_map_file:={map_file}"),
-             _spawn(os.path.join(ROOT, "scripts", "social_planner"))]
-    try:
+    with running(os.path.join(ROOT, "scripts", "map_publisher"), f"_map_file:={map_file}"), \
+            running(os.path.join(ROOT, "scripts", "social_planner")) as planner:
         rospy.wait_for_service("social_planner/plan_path", LIMIT)
         call = rospy.ServiceProxy("social_planner/plan_path", PlanPath)
-        _wait(lambda: call().status != PlanPathResponse.NOT_INITIALIZED)
-        return time.monotonic() - begun
-    finally:
-        for node in nodes:
-            _stop(node)
+        wait_for(lambda: call().status != PlanPathResponse.NOT_INITIALIZED)
+        return (time.monotonic() - begun, *_memory(planner.pid))
 
 
-def _spawn(*command: str) -> "subprocess.Popen[bytes]":
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-
-
-def _stop(process: "subprocess.Popen[bytes]") -> None:
-    os.killpg(process.pid, signal.SIGINT)
-    try:
-        process.wait(10.0)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-
-
-def _wait(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"nothing within {LIMIT:.0f} s")
-        time.sleep(0.02)
+def _memory(process: int) -> Tuple[float, float]:
+    """Resident memory now and at most [MB]."""
+    with open(f"/proc/{process}/status") as stream:
+        fields = dict(line.split(":", 1) for line in stream)
+    return int(fields["VmRSS"].split()[0]) / 1e3, int(fields["VmHWM"].split()[0]) / 1e3
