@@ -165,7 +165,7 @@ class SocialPlanner:
             costs = self._search.evaluate(result.nodes, result.headings, graph)
         points = self.grid.from_local(vertices * self.grid.resolution)
         points[0], points[-1] = start[:2], goal[:2]
-        near = near_overlays(around.overlaid, points, self.config.temporary_distance)
+        near = near_overlays(around.overlaid.overlays, points, self.config.temporary_distance)
         return Plan(points=points, length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
                     social_cost=float(costs[1].sum()), cost=float(costs.sum()), expanded=result.expanded,
                     search_time=time.perf_counter() - began, planner=planner, robot_radius=self.config.robot_radius,

@@ -1,12 +1,13 @@
 """A map with obstacles drawn in: what changes for a plan of one robot size, and only where it changes."""
 
 import threading
-from typing import List, NamedTuple, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numba import njit
 
 from social_fleet.errors import InvalidGoal, InvalidOverlay, InvalidStart
+from social_fleet.geometry import Polyline
 from social_fleet.mapping.clearance import TOUCH_TOLERANCE, ConfigurationSpace
 from social_fleet.mapping.distances import centre_clearance, segment_clearance
 from social_fleet.planning.lattice import DCOL, DROW, Lattice, Links, fitting_radius
@@ -133,7 +134,7 @@ def check_clear(overlaid: Overlaid, space: ConfigurationSpace, x: float, y: floa
                         "choose another place, or clear the obstacle when it is gone", field=what)
 
 
-def near_overlays(overlaid: Overlaid, points: np.ndarray, distance: float) -> Tuple[str, ...]:
+def near_overlays(overlays: Sequence[Overlay], points: np.ndarray, distance: float) -> Tuple[str, ...]:
     """Names of the obstacles that are not permanent and that the path through `points` (N, 2) [m] comes near to.
 
     Parameters
@@ -141,8 +142,7 @@ def near_overlays(overlaid: Overlaid, points: np.ndarray, distance: float) -> Tu
     distance : float
         How near [m].
     """
-    from social_fleet.geometry import Polyline
-    passing = [overlay for overlay in overlaid.overlays if not overlay.permanent]
+    passing = [overlay for overlay in overlays if not overlay.permanent]
     if not passing:
         return ()
     path = Polyline(points)
