@@ -12,12 +12,11 @@ from worlds import grid_from_text
 from social_fleet.errors import InvalidGraph, InvalidInput
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.files import load_map
-from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.fleet_routes import FleetRoutes
 from social_fleet.planning.overlays.overlay_set import OverlaySet
-from social_fleet.planning.overlays.raster import rasterised
+from social_fleet.planning.overlays.raster import drawn_on
 from social_fleet.planning.overlays.shapes import DiscObstacle, Rectangle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
@@ -52,12 +51,6 @@ def crossing(graph, judge):
             if not judge.is_free_path(judge.grid.centres([cell, cell + (along, across)])):
                 bad.append((heading, *cell))
     return bad
-
-
-def drawn(grid, shape):
-    values = grid.values.copy()
-    values[tuple(rasterised(grid, shape).cells.T)] = 100
-    return OccupancyGrid(values, grid.resolution, grid.origin)
 
 
 def test_a_fleet_learns_what_one_robot_would():
@@ -101,7 +94,7 @@ def test_an_obstacle_that_stays_becomes_part_of_the_routes():
     assert routes.learn() == ("cart",)
     assert routes.due() == () and routes.detours() == {}
     assert overlays.expire(1e9) == () and overlays.get("cart").permanent
-    judge = ConfigurationSpace(drawn(HALL, CART), CONFIG.robot_radius + CONFIG.wall_margin)
+    judge = ConfigurationSpace(drawn_on(HALL, [CART]), CONFIG.robot_radius + CONFIG.wall_margin)
     assert crossing(routes.graph, judge) == []
     # what the detours went is a route now
     headings = np.diff(detour.cells, axis=0)
@@ -121,7 +114,7 @@ def test_plans_that_cross_a_permanent_obstacle_are_not_learnt_from():
     for _ in range(3):
         routes.add(through)  # of a robot that does not know of it
     routes.learn()
-    judge = ConfigurationSpace(drawn(HALL, CART), CONFIG.robot_radius + CONFIG.wall_margin)
+    judge = ConfigurationSpace(drawn_on(HALL, [CART]), CONFIG.robot_radius + CONFIG.wall_margin)
     assert routes.graph.edge_count and crossing(routes.graph, judge) == []
 
 
@@ -261,7 +254,7 @@ def test_forty_detours_then_recovery_then_promotion_on_environment_1():
     forty_detours()
     routes.add(planner.plan(start, goal, overlays=overlays))
     assert routes.learn() == ("pallet",)
-    judge = ConfigurationSpace(drawn(planner.grid, pallet), planner.config.robot_radius)
+    judge = ConfigurationSpace(drawn_on(planner.grid, [pallet]), planner.config.robot_radius)
     assert crossing(graph, judge) != []
     assert crossing(routes.graph, judge) == []
     planner.graph = routes.graph

@@ -14,7 +14,7 @@ from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.overlays.overlaid import OverlaidMaps
-from social_fleet.planning.overlays.raster import rasterised
+from social_fleet.planning.overlays.raster import drawn_on
 from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Polygon, Rectangle
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.planner import SocialPlanner
@@ -24,14 +24,6 @@ HALL = OccupancyGrid(np.pad(np.zeros((44, 94), dtype=np.int8), 3, constant_value
 OBSTACLES = {"cart": Rectangle(4.6, 2.9, 0.7, 0.4, 0.9), "pillar": DiscObstacle(6.5, 4.0, 0.3),
              "tarpaulin": Polygon(((2.2, 0.2), (3.1, 0.4), (2.6, 0.9), (2.5, 0.5))),
              "boxes": Cells.of(HALL, [(20, 60), (20, 61), (40, 90), (2, 50)])}
-
-
-def drawn(grid, shapes):
-    """The map with the shapes' cells occupied."""
-    values = grid.values.copy()
-    for shape in shapes:
-        values[tuple(rasterised(grid, shape).cells.T)] = 100
-    return OccupancyGrid(values, grid.resolution, grid.origin)
 
 
 def maps_of(grid, radius, margin):
@@ -44,7 +36,7 @@ def maps_of(grid, radius, margin):
 def test_the_arrays_are_those_of_a_map_with_the_obstacles(radius, margin):
     maps, lattice = maps_of(HALL, radius, margin)
     overlaid = maps.of(OBSTACLES)
-    judge = ConfigurationSpace(drawn(HALL, OBSTACLES.values()), radius)
+    judge = ConfigurationSpace(drawn_on(HALL, OBSTACLES.values()), radius)
     np.testing.assert_array_equal(overlaid.blocked, judge.grid.blocked)
     np.testing.assert_allclose(overlaid.clearance, judge.clearance, atol=1e-6)
 
@@ -52,7 +44,7 @@ def test_the_arrays_are_those_of_a_map_with_the_obstacles(radius, margin):
 @pytest.mark.parametrize("radius, margin", [(0.25, 0.03), (0.3, 0.0), (0.11, 0.02)])
 def test_every_edge_that_is_left_can_be_driven_and_no_node_is_closed_for_nothing(radius, margin):
     maps, lattice = maps_of(HALL, radius, margin)
-    judge = ConfigurationSpace(drawn(HALL, OBSTACLES.values()), radius + margin)
+    judge = ConfigurationSpace(drawn_on(HALL, OBSTACLES.values()), radius + margin)
     closed = np.zeros(len(lattice), dtype=bool)
     closed[maps.of(OBSTACLES).closed] = True
     assert not judge.free[lattice.row[~closed], lattice.col[~closed]].sum() < (~closed).sum()
@@ -98,7 +90,7 @@ def test_an_obstacle_off_the_map_is_refused_by_its_name():
 @pytest.mark.parametrize("kind", ["social", "shortest", "rrt_star"])
 def test_plans_keep_clear_of_obstacles(kind):
     planner = SocialPlanner(HALL)
-    judge = ConfigurationSpace(drawn(HALL, OBSTACLES.values()), 0.25)
+    judge = ConfigurationSpace(drawn_on(HALL, OBSTACLES.values()), 0.25)
     planned = 0
     for start, goal in random_pose_pairs(planner, 40, seed=4):
         try:
@@ -192,7 +184,7 @@ def test_a_start_in_a_corner_that_an_obstacle_cuts_off_takes_the_way_that_is_lef
     """The start's nearest node is walled in by the obstacle, another that it reaches is not."""
     grid = OccupancyGrid(np.pad(np.zeros((30, 60), dtype=np.int8), 2, constant_values=100), 0.1)
     planner = SocialPlanner(grid, PlannerConfig(wall_margin=0.1))
-    judge_of = drawn(grid, [Rectangle(2.0, 2.1, 0.2, 2.2)])
+    judge_of = drawn_on(grid, [Rectangle(2.0, 2.1, 0.2, 2.2)])
     judge = ConfigurationSpace(judge_of, 0.25)
     for y in np.arange(0.46, 2.9, 0.11):
         for start in ((1.64, y), (2.36, y)):

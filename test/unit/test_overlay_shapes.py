@@ -8,7 +8,7 @@ import pytest
 from social_fleet.errors import InvalidOverlay
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning.overlays.raster import rasterised
+from social_fleet.planning.overlays.raster import drawn_on, rasterised
 from social_fleet.planning.overlays.shapes import MAX_VERTICES, Cells, DiscObstacle, Polygon, Rectangle
 
 GRID = OccupancyGrid(np.zeros((30, 40), dtype=np.int8), 0.25)
@@ -40,6 +40,13 @@ def test_all_cells_that_a_shape_enters_and_no_others(grid, shape):
 
 def test_a_rectangle_on_the_edges_of_cells_takes_these_cells_alone():
     assert covered(GRID, Rectangle(1.0, 1.5, 0.5, 1.0)) == {(row, column) for row in range(4, 8) for column in (3, 4)}
+
+
+def test_a_map_with_obstacles_drawn_in():
+    drawn = drawn_on(TURNED, [DiscObstacle(5.0, 1.0, 0.5), L_SHAPE])
+    assert set(map(tuple, np.argwhere(drawn.blocked).tolist())) == (covered(TURNED, DiscObstacle(5.0, 1.0, 0.5))
+                                                                    | covered(TURNED, L_SHAPE))
+    assert (drawn.resolution, drawn.origin) == (TURNED.resolution, TURNED.origin)
 
 
 def test_cells_by_pairs_and_by_mask():

@@ -9,12 +9,11 @@ import numpy as np
 from .worlds import map_files, planner
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.files import load_map
-from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.fleet_routes import FleetRoutes
 from social_fleet.planning.overlays.overlay_set import OverlaySet
-from social_fleet.planning.overlays.raster import rasterised
+from social_fleet.planning.overlays.raster import drawn_on
 from social_fleet.planning.overlays.shapes import Rectangle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
@@ -42,7 +41,7 @@ def _changes(say: Callable[[str], None]) -> bool:
     old = planning.plan(START, GOAL)
     x, y = old.path.position(0.5 * old.length)
     obstacle = Rectangle(float(x), float(y), 1.2, 0.8, 0.3)
-    judge = _drawn(planning.grid, obstacle, planning.config.robot_radius)
+    judge = ConfigurationSpace(drawn_on(planning.grid, [obstacle]), planning.config.robot_radius)
 
     _detour(planning, routes, overlays, obstacle, DETOURS)
     routes.learn()
@@ -68,13 +67,6 @@ def _detour(planning: SocialPlanner, routes: FleetRoutes, overlays: OverlaySet, 
     overlays.add("obstacle", obstacle)
     for shift in np.linspace(-1.0, 1.0, count):
         routes.add(planning.plan((START[0], START[1] + shift), (GOAL[0], GOAL[1] + shift), overlays=overlays))
-
-
-def _drawn(grid: OccupancyGrid, shape: Rectangle, radius: float) -> ConfigurationSpace:
-    """The robot's space on a map that holds the obstacle."""
-    values = grid.values.copy()
-    values[tuple(rasterised(grid, shape).cells.T)] = 100
-    return ConfigurationSpace(OccupancyGrid(values, grid.resolution, grid.origin), radius)
 
 
 def _crossing(graph: SocialGraph, judge: ConfigurationSpace) -> int:

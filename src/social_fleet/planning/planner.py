@@ -147,6 +147,16 @@ class SocialPlanner:
         return replace(plan, goal_shift=shift, message=f"the goal is {reason}; the path ends {shift:.2f} m from it at "
                                                        f"({place[0]:.2f}, {place[1]:.2f})")
 
+    def check_pose(self, pose: Sequence[float], what: str, *, overlays: Overlays = ()) -> None:
+        """Refuse a ``start`` or ``goal`` (as `what` says) where the robot cannot stand, as `plan` does.
+
+        Raises
+        ------
+        InvalidStart, InvalidGoal
+            The message says why and what would do.
+        """
+        checked_position(self.space, pose, what, (), self._overlaid.of(overlays))
+
     def closed_cells(self, overlays: Overlays) -> np.ndarray:
         """Cells (M, 2) (row, column) that a path of this robot cannot use because of obstacles."""
         return self._overlaid.of(overlays).closed_cells

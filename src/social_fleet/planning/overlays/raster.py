@@ -1,12 +1,12 @@
 """Which cells of a map an obstacle touches."""
 
 import math
-from typing import NamedTuple, Tuple
+from typing import Iterable, NamedTuple, Tuple
 
 import numpy as np
 
 from social_fleet.errors import InvalidOverlay
-from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.mapping.grid import OCCUPIED, OccupancyGrid
 from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Shape, inside_polygon
 
 _ROUNDING = 1e-9  # [cells]; a side along the edge between two cells touches neither of the other's side
@@ -51,6 +51,15 @@ def rasterised(grid: OccupancyGrid, shape: Shape) -> Raster:
     if not mask.any():
         raise _off(grid)
     return Raster(bottom, left, mask)
+
+
+def drawn_on(grid: OccupancyGrid, shapes: Iterable[Shape]) -> OccupancyGrid:
+    """The map as it would be with the shapes' cells occupied."""
+    values = grid.values.copy()
+    for shape in shapes:
+        row, column, mask = rasterised(grid, shape)
+        values[row:row + mask.shape[0], column:column + mask.shape[1]][mask] = OCCUPIED
+    return OccupancyGrid(values, grid.resolution, grid.origin)
 
 
 def _of_cells(grid: OccupancyGrid, shape: Cells) -> Raster:
