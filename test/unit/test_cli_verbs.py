@@ -138,10 +138,26 @@ def test_learn_refuses_what_cannot_be_merged(capsys: pytest.CaptureFixture) -> N
     shown = refused(capsys, "learn", "--map", "hall.yaml", "--out", "g")
     assert shown.startswith("error: command line: --paths: is missing")
     run_json(capsys, "learn", "--map", "rooms.yaml", "--paths", "5", "--out", "rooms.graph")
-    for file, message in (("rooms.graph", "map: was learnt on another map"), ("hall.yaml", "is no social graph"),
-                          ("none", "cannot be read")):
+    for file, message in (("rooms.graph", "map: was learnt on another map, and none of its edges holds"),
+                          ("hall.yaml", "is no social graph"), ("none", "cannot be read")):
         shown = refused(capsys, "learn", "--map", "hall.yaml", "--merge", file, "--out", "g")
         assert shown.startswith(f"error: {file}: {message}")
+    save_map(grid_from_text(HALL, 0.5), "fine.yaml")
+    shown = refused(capsys, "learn", "--map", "fine.yaml", "--merge", "rooms.graph", "--out", "g")
+    assert shown.startswith("error: rooms.graph: resolution: was learnt on cells of 1 m")
+
+
+def test_learn_follows_a_map_that_changed(capsys: pytest.CaptureFixture) -> None:
+    Path("c.yaml").write_text("{min_component: 2, heatmap_threshold: 0}")
+    run_json(capsys, "learn", "--map", "hall.yaml", "--paths", "20", "--config", "c.yaml", "--out", "old")
+    save_map(grid_from_text(HALL.replace("." * 12, "." * 10 + "##")), "changed.yaml")
+    command = ["plan", "--map", "changed.yaml", "--graph", "old", "--start", "2", "2", "--goal", "9", "5"]
+    assert refused(capsys, *command).startswith("error: old: map: was learnt on another map; learn it again")
+    assert main(["learn", "--map", "changed.yaml", "--merge", "old", "--config", "c.yaml", "--out", "new"]) == 0
+    warned = capsys.readouterr().err
+    assert "old was learnt on another map" in warned and " 0 are dropped" not in warned
+    command[4] = "new"
+    assert main(command) == 0
 
 
 def test_plan_takes_many_pairs(capsys: pytest.CaptureFixture) -> None:

@@ -94,7 +94,8 @@ def test_another_version_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("changes", [
-    {"shape": [1, 1]}, {"shape": [0, 2]}, {"shape": [2]}, {"shape": "ab"}, {"steps": np.array([0], dtype=np.uint32)},
+    {"shape": [1, 1]}, {"shape": [0, 2]}, {"shape": [10 ** 9, 10 ** 9]}, {"shape": [2]}, {"shape": "ab"},
+    {"steps": np.array([0], dtype=np.uint32)},
     {"steps": np.array([4, 0], dtype=np.uint32)}, {"steps": np.array([1, 4], dtype=np.uint32)},
     {"counts": np.array([3.0, 2.0])}, {"member": np.array([True])}, {"origin": [1.0, 2.0]}, {"origin": ["a", 1, 2]},
     {"resolution": None}, {"format": "else"},

@@ -79,6 +79,8 @@ def test_a_graph_of_another_map_is_refused():
     other = OccupancyGrid(np.zeros((6, 20), dtype=np.int8), 0.25)
     with pytest.raises(InvalidGraph, match="another map"):
         SocialPlanner(other, PlannerConfig(robot_radius=0.1), graph=graph)
+    with pytest.raises(InvalidGraph, match="another map"):  # whatever its digest says
+        SocialGraph(graph.edges[:3], GRID.digest, 0.5).check_map(GRID)
 
 
 def test_learning_makes_routes_that_plans_then_take():

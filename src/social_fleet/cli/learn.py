@@ -1,15 +1,19 @@
 """Learn a social graph: plan many paths between random free poses and keep the routes that recur (3.2.2).
 
-With --merge, what other robots learnt on the same map is counted in.
+With --merge, what other robots learnt is counted in; of a graph of another map, or of this one before it changed, what
+still holds.
 """
 
 import argparse
+import logging
 from typing import Any, Optional
 
 from social_fleet.cli.arguments import check_outputs, count, seed
 from social_fleet.cli.output import show, written
 from social_fleet.cli.progress import progress
 from social_fleet.errors import InvalidGraph, InvalidInput
+
+log = logging.getLogger(__name__)
 
 SUMMARY = "learn a social graph from random plans"
 EXAMPLE = "social_fleet learn --map maps/environment_1.yaml --paths 250 --seed 1 --out environment_1.graph"
@@ -20,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--map", required=True, metavar="M.yaml", help="the map, as map_server's YAML file")
     parser.add_argument("--paths", type=count, metavar="N", help="how many paths to plan; may be left out with --merge")
     parser.add_argument("--merge", nargs="+", default=[], metavar="G",
-                        help="count in what these graphs of the same map were learnt from, in any order")
+                        help="count in what these graphs were learnt from, in any order")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="of the random poses; default: 0")
     parser.add_argument("--config", metavar="C.yaml", help="parameters of the planner, such as robot_radius and side")
     parser.add_argument("--out", required=True, metavar="G", help="the graph file, for plan --graph")
@@ -66,8 +70,20 @@ def _learnt(args: argparse.Namespace, planner: Any) -> Optional[Any]:
 
 def _load(path: str, planner: Any) -> Any:
     """A graph that can be merged; raises InvalidGraph, naming the file."""
+    from social_fleet.planning.graph_changes import adapted
     from social_fleet.planning.social_graph import SocialGraph
-    graph = SocialGraph.load(path, grid=planner.grid)
+    graph = SocialGraph.load(path)
     if graph.counts is None:
         raise InvalidGraph("does not say how many paths used its edges; learn it again", source=path, field="counts")
+    if graph.digest == planner.grid.digest:
+        return graph
+    try:
+        graph, kept, dropped = adapted(graph, planner.grid)
+    except InvalidGraph as error:
+        raise InvalidGraph(error.message, source=path, field=error.field) from error
+    if not kept:
+        raise InvalidGraph("was learnt on another map, and none of its edges holds on this one", source=path,
+                           field="map")
+    log.warning("%s was learnt on another map: %d of its edges still hold on this one, %d are dropped", path, kept,
+                dropped)
     return graph

@@ -34,8 +34,9 @@ def merged(graphs: Sequence[SocialGraph], threshold: int, min_component: int) ->
         raise InvalidGraph("there is nothing to merge", field="graphs")
     first = graphs[0]
     for number, graph in enumerate(graphs):
-        if graph.digest != first.digest:
-            raise InvalidGraph("was learnt on another map than the first; adapt it before", field=f"graphs[{number}]")
+        if graph.digest != first.digest or graph.edges.shape != first.edges.shape:
+            raise InvalidGraph("was learnt on another map than the first; bring it over before",
+                               field=f"graphs[{number}]")
         if graph.counts is None:
             raise InvalidGraph("does not say how many paths used its edges; learn it again", field=f"graphs[{number}]")
     counts = EdgeCounts.total((first.edges.shape[0], first.edges.shape[1]),

@@ -16,6 +16,7 @@ from social_fleet.planning.social_graph import SocialGraph
 
 FORMAT = "social_fleet graph"
 VERSION = 2
+MOST_CELLS = 1 << 30  # of a map; a header that claims more was damaged
 
 
 def write_graph(graph: SocialGraph, path: PathLike) -> None:
@@ -72,8 +73,9 @@ def _graph(header: Dict[str, Any], steps: np.ndarray, counts: np.ndarray, member
     """The graph of an archive's content; raises ValueError (or its InvalidGraph) where that contradicts itself."""
     rows, columns = (int(extent) for extent in header["shape"])
     numbers = np.cumsum(steps, dtype=np.int64)
-    if (min(rows, columns) < 1 or len({len(numbers), len(counts), len(member)}) != 1 or (steps[1:] == 0).any()
-            or (len(numbers) and numbers[-1] >= 8 * rows * columns) or counts.dtype != np.uint16):
+    if (min(rows, columns) < 1 or rows * columns > MOST_CELLS or counts.dtype != np.uint16
+            or len({len(numbers), len(counts), len(member)}) != 1 or (steps[1:] == 0).any()
+            or (len(numbers) and numbers[-1] >= 8 * rows * columns)):
         raise ValueError("the arrays do not fit together")
     heading, row, column = np.unravel_index(numbers[member.astype(bool)], (8, rows, columns))
     edges = np.zeros((rows, columns), dtype=np.uint8)

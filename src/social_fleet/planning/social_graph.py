@@ -110,8 +110,9 @@ class SocialGraph:
 
     def check_map(self, grid: OccupancyGrid) -> None:
         """Raise InvalidGraph unless the graph was learnt on `grid`."""
-        if self.digest != grid.digest:
-            raise InvalidGraph("was learnt on another map; learn it again on this one, or adapt it", field="map")
+        if self.digest != grid.digest or self.edges.shape != grid.shape:
+            raise InvalidGraph("was learnt on another map; learn it again on this one, or bring over what still holds "
+                               "(learn --merge)", field="map")
 
     def to_networkx(self) -> Any:
         """The graph as a networkx.DiGraph: nodes (row, column), edges with `weight` [m] and `heading`.

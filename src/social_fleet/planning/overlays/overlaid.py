@@ -97,6 +97,9 @@ class OverlaidMaps:
             blocked[raster.row:raster.row + rows, raster.column:raster.column + columns] |= raster.mask
         cells = [self._close(raster, blocked, clearance) for raster in rasters]
         closed_cells = np.unique(np.concatenate(cells), axis=0)
+        # As the map's own arrays are: for others, all kernels would have to be compiled once more.
+        blocked.setflags(write=False)
+        clearance.setflags(write=False)
         nodes = self._lattice.node[closed_cells[:, 0], closed_cells[:, 1]]
         return Overlaid(overlays, tuple(rasters), blocked, clearance, nodes[nodes >= 0], closed_cells)
 
