@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-SUBJECTS = ("planning", "global_planner", "coordination", "fleets", "simulation", "nodes")
+SUBJECTS = ("planning", "global_planner", "learning", "coordination", "fleets", "simulation", "nodes")
 
 
 def main() -> int:

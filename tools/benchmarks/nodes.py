@@ -24,7 +24,7 @@ def run(say: Callable[[str], None]) -> bool:
 
 
 def _start(map_file: str) -> Tuple[float, float, float]:
-    """Seconds until the planner, started beside its map, answers anything but 'no map yet'; its memory and peak [MB]."""
+    """Seconds until the planner, started beside its map, knows it and answers; its memory now and at most [MB]."""
     import rospy
     from social_fleet.srv import PlanPath, PlanPathResponse
     begun = time.monotonic()
