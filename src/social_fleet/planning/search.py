@@ -2,20 +2,21 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 from numba import njit
 
 from social_fleet.planning.cache import cached, digest_of
-from social_fleet.planning.grid_search.buckets import FULL, new_queue
+from social_fleet.planning.grid_search.buckets import FULL, Queue, new_queue
 from social_fleet.planning.grid_search.dissection import Skeleton, dissect
 from social_fleet.planning.grid_search.exemption import Waiver
 from social_fleet.planning.grid_search.guided import cheapest
-from social_fleet.planning.grid_search.hierarchy import UNIT, Hierarchy, customised, new_potentials, no_hierarchy
-from social_fleet.planning.grid_search.memory import BACKWARD, forget, new_memory, trace
+from social_fleet.planning.grid_search.hierarchy import (
+    UNIT, Hierarchy, Potentials, customised, new_potentials, no_hierarchy)
+from social_fleet.planning.grid_search.memory import Memory, forget, new_memory, recall
 from social_fleet.planning.grid_search.plain import shortest
-from social_fleet.planning.lattice import Lattice
+from social_fleet.planning.lattice import Lattice, Links
 
 BUCKETS_PER_CELL = 16  # so that a bucket holds nearly equal costs
 MAX_BUCKETS = 1 << 16
@@ -140,12 +141,7 @@ class Search:
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
         """The shortest path between two nodes by plain A*, without social cost. See `cheapest`."""
-        def run() -> Tuple[int, int, np.ndarray]:
-            expanded = shortest(self._links, start, goal, self._memory, self._queue, self._width)
-            self._memory.reached[BACKWARD, goal] = 0.0
-            return goal, expanded, _no_nodes()
-
-        return self._run(run, start, goal, closed)
+        return self._run(_shortest, start, goal, closed, tuple(self._links))
 
     def cheapest(self, start: int, goal: int, metric: Metric, *,
                  closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
@@ -166,33 +162,25 @@ class Search:
             None when the goal cannot be reached.
         """
         potentials = self._potentials if metric.prepared else self._no_potentials
+        (skeleton, up, down), waiver = metric.hierarchy, tuple(metric.waiver)
+        return self._run(_cheapest, start, goal, closed, tuple(self._links), metric.social, waiver,
+                         (tuple(skeleton), up, down), tuple(potentials))
 
-        def run() -> Tuple[int, int, np.ndarray]:
-            return cheapest(self._links, metric.social, metric.waiver, metric.hierarchy, potentials, start, goal,
-                            self._memory, self._queue, self._width)
-
-        return self._run(run, start, goal, closed)
-
-    def _run(self, kernel: Callable[[], Tuple[int, int, np.ndarray]], start: int, goal: int,
-             closed: Optional[np.ndarray]) -> Optional[SearchResult]:
-        """Run a kernel, again with a larger queue where it was too small, and read the path from the memory."""
-        memory, result = self._memory, None
+    def _run(self, kernel: Callable[..., Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]], start: int, goal: int,
+             closed: Optional[np.ndarray], *given: Any) -> Optional[SearchResult]:
+        """Run a kernel, again with a larger queue where it was too small."""
+        reached, queue = self._memory.reached, self._queue
         if closed is not None:
-            memory.reached[:, closed] = -np.inf
-        middle, expanded, exempt = kernel()
-        while self._queue.state[FULL]:
-            forget(memory)
-            self._queue = new_queue(len(self._queue.heads), 2 * len(self._queue.node))
-            middle, expanded, exempt = kernel()
-        cost = float(memory.reached[:, middle].sum()) if middle >= 0 else math.inf
-        if math.isfinite(cost):
-            nodes, headings = trace(self._links, memory, start, middle, goal)
-            result = SearchResult(nodes, headings, cost, expanded, exempt)
-        forget(memory)
-        memory.reached[BACKWARD, goal] = np.inf  # which the plain search does not note
+            reached[:, closed] = -np.inf
+        while True:
+            queue.state[FULL] = 0
+            found = kernel(*given, start, goal, tuple(self._memory), tuple(queue), self._width)
+            if not queue.state[FULL]:
+                break
+            queue = self._queue = new_queue(len(queue.heads), 2 * len(queue.node))
         if closed is not None:
-            memory.reached[:, closed] = np.inf
-        return result
+            reached[:, closed] = np.inf
+        return SearchResult(*found) if math.isfinite(found[2]) else None
 
     def evaluate(self, result: SearchResult, metric: Optional[Metric] = None) -> np.ndarray:
         """Length and cost beyond it [m] of each step, by default in Eq. 2, exemption included: shape (2, M - 1)."""
@@ -203,6 +191,27 @@ class Search:
                           memory.settled)
         memory.settled[result.exempt] = 0
         return steps
+
+
+@njit(cache=True, nogil=True)
+def _shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue,
+              width: float) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
+    """What `SearchResult` holds, by plain A*; the memory is as new afterwards."""
+    expanded = shortest(links, start, goal, memory, queue, width)
+    nodes, headings, cost = recall(links, memory, start, goal, goal)
+    forget(memory)
+    return nodes, headings, cost, expanded, np.empty(0, dtype=np.int32)
+
+
+@njit(cache=True, nogil=True)
+def _cheapest(links: Links, social: np.ndarray, waiver: Waiver, hierarchy: Hierarchy, potentials: Potentials,
+              start: int, goal: int, memory: Memory, queue: Queue,
+              width: float) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
+    """What `SearchResult` holds, in the metric given; the memory is as new afterwards."""
+    middle, expanded, exempt = cheapest(links, social, waiver, hierarchy, potentials, start, goal, memory, queue, width)
+    nodes, headings, cost = recall(links, memory, start, middle, goal)
+    forget(memory)
+    return nodes, headings, cost, expanded, exempt
 
 
 @njit(cache=True, nogil=True)

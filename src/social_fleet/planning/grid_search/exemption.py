@@ -40,7 +40,8 @@ def surround(links: Links, waiver: Waiver, side: int, end: int, memory: Memory,
     """
     _, _, up, down, edges_of, lengths = links
     radius, graph, epsilon = waiver
-    reached, arrival, touched = memory.reached[side], memory.arrival[side], memory.touched[side]
+    all_reached, all_arrival, _, all_touched, all_noted = memory
+    reached, arrival, touched = all_reached[side], all_arrival[side], all_touched[side]
     heads, entry_node, entry_cost, below, state = queue
     width, turned, biased, bucket, noted = 0.5 * lengths[0], 4 * side, len(graph) > 0, 0, 1
     clear(heads, state)
@@ -80,7 +81,7 @@ def surround(links: Links, waiver: Waiver, side: int, end: int, memory: Memory,
             arrival[other] = heading
             if total <= radius:
                 push(heads, entry_node, entry_cost, below, state, int(total / width), other, total)
-    memory.noted[side] = noted
+    all_noted[side] = noted
     return _split(reached, touched[:noted], radius)
 
 

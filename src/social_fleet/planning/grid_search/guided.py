@@ -34,19 +34,21 @@ def cheapest(links: Links, social: np.ndarray, waiver: Waiver, hierarchy: Hierar
     """
     inner, rim = surround(links, waiver, FORWARD, start, memory, queue)
     goal_inner, goal_rim = surround(links, waiver, BACKWARD, goal, memory, queue)
-    memory.settled[goal_inner] = 1
+    reached, _, settled, _, _ = memory
+    _, known, _, _ = potentials
+    for node in goal_inner:
+        settled[node] = 1
     exempt = np.concatenate((inner, goal_inner))
-    near, middle = _join(memory, np.concatenate((inner, rim)))
-    if len(potentials.known):
-        aim(hierarchy, potentials, goal_rim, memory.reached[BACKWARD])
+    near, middle = _join(reached[FORWARD], reached[BACKWARD], np.concatenate((inner, rim)))
+    if len(known):
+        aim(hierarchy, potentials, goal_rim, reached[BACKWARD])
     beyond, expanded = _connect(links, social, hierarchy, potentials, rim, goal, near, memory, queue, width)
     return middle if beyond < 0 else beyond, expanded + len(exempt), exempt
 
 
 @njit(cache=True, nogil=True)
-def _join(memory: Memory, nodes: np.ndarray) -> Tuple[float, int]:
-    """Cost of the cheapest way through one of the nodes, as both sides know it, and that node; inf and -1 for none."""
-    forward, backward = memory.reached[FORWARD], memory.reached[BACKWARD]
+def _join(forward: np.ndarray, backward: np.ndarray, nodes: np.ndarray) -> Tuple[float, int]:
+    """Cost of the cheapest way through a node that both sides have reached, and that node; inf and -1 for none."""
     best, middle = np.inf, -1
     for node in nodes:
         total = forward[node] + backward[node]
@@ -66,8 +68,9 @@ def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials:
     (rank_of, parent, first, arc_heads), arc_up, _ = hierarchy
     distance, known, goal_number, stack = potentials
     aimed, number = len(known) > 0, goal_number[0]
-    reached, onward, settled = memory.reached[FORWARD], memory.reached[BACKWARD], memory.settled
-    arrival, touched, noted = memory.arrival[FORWARD], memory.touched[FORWARD], memory.noted[FORWARD]
+    all_reached, all_arrival, settled, all_touched, all_noted = memory
+    reached, onward = all_reached[FORWARD], all_reached[BACKWARD]
+    arrival, touched, noted = all_arrival[FORWARD], all_touched[FORWARD], all_noted[FORWARD]
     heads, entry_node, entry_cost, below, state = queue
     goal_row, goal_col = row[goal], col[goal]
     estimates = np.empty(len(seeds))
@@ -138,5 +141,5 @@ def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials:
                 push(heads, entry_node, entry_cost, below, state, bucket, other, total)
                 break
             push(heads, entry_node, entry_cost, below, state, max(int((estimate - base) / width), bucket), other, total)
-    memory.noted[FORWARD] = noted
+    all_noted[FORWARD] = noted
     return middle, expanded

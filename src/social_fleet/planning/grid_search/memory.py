@@ -43,33 +43,40 @@ def new_memory(nodes: int) -> Memory:
 @njit(cache=True, nogil=True)
 def forget(memory: Memory) -> None:
     """Make the memory as new."""
+    all_reached, _, settled, all_touched, noted = memory
     for side in range(2):
-        reached, touched = memory.reached[side], memory.touched[side]
-        settled = memory.settled
-        for index in range(memory.noted[side]):
+        reached, touched = all_reached[side], all_touched[side]
+        for index in range(noted[side]):
             reached[touched[index]] = np.inf
             settled[touched[index]] = 0
-        memory.noted[side] = 0
+        noted[side] = 0
 
 
 @njit(cache=True, nogil=True)
-def trace(links: Links, memory: Memory, start: int, middle: int, goal: int) -> Tuple[np.ndarray, np.ndarray]:
-    """Nodes and headings of the path from start to goal through a node that both sides have reached."""
-    before = _follow(links, memory.arrival[FORWARD], middle, start, 4)
-    after = _follow(links, memory.arrival[BACKWARD], middle, goal, 0)
+def recall(links: Links, memory: Memory, start: int, middle: int, goal: int) -> Tuple[np.ndarray, np.ndarray, float]:
+    """Nodes, headings and cost of the path from start to goal through a node that both sides have reached.
+
+    With -1 for the node, or where one of the sides has not come there: no nodes, and infinite cost.
+    """
+    _, _, up, down, _, _ = links
+    reached, arrival, _, _, _ = memory
+    cost = reached[FORWARD, middle] + reached[BACKWARD, middle] if middle >= 0 else np.inf
+    if not cost < np.inf:
+        return np.empty(0, dtype=np.int32), np.empty(0, dtype=np.uint8), np.inf
+    before = _follow(up, down, arrival[FORWARD], middle, start, 4)
+    after = _follow(up, down, arrival[BACKWARD], middle, goal, 0)
     nodes = np.concatenate((before[::-1], after[1:]))
     headings = np.empty(len(nodes) - 1, dtype=np.uint8)
     for i in range(len(before) - 1):
-        headings[len(before) - 2 - i] = memory.arrival[FORWARD, before[i]]
+        headings[len(before) - 2 - i] = arrival[FORWARD, before[i]]
     for i in range(len(after) - 1):
-        headings[len(before) - 1 + i] = memory.arrival[BACKWARD, after[i]]
-    return nodes, headings
+        headings[len(before) - 1 + i] = arrival[BACKWARD, after[i]]
+    return nodes, headings, cost
 
 
 @njit(cache=True, nogil=True)
-def _follow(links: Links, arrival: np.ndarray, node: int, end: int, turn: int) -> np.ndarray:
+def _follow(up: np.ndarray, down: np.ndarray, arrival: np.ndarray, node: int, end: int, turn: int) -> np.ndarray:
     """Nodes from `node` to `end` by the edges in heading `arrival` + `turn`."""
-    up, down = links.up, links.down
     nodes = np.empty(256, dtype=np.int32)
     nodes[0] = node
     count = 1

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from social_fleet.planning.grid_search.buckets import FULL, NEXT, USED, Queue, clear, pop, push
-from social_fleet.planning.grid_search.memory import FORWARD, Memory
+from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, Memory
 from social_fleet.planning.lattice import DCOL, DROW, Links
 
 
@@ -22,7 +22,8 @@ def shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue, 
     Returns the number of expanded nodes.
     """
     row, col, up, down, edges_of, lengths = links
-    reached, arrival, touched = memory.reached[FORWARD], memory.arrival[FORWARD], memory.touched[FORWARD]
+    all_reached, all_arrival, _, all_touched, all_noted = memory
+    reached, arrival, touched = all_reached[FORWARD], all_arrival[FORWARD], all_touched[FORWARD]
     heads, entry_node, entry_cost, below, state = queue
     straight, diagonal = lengths[0], lengths[1]
     goal_row, goal_col = row[goal], col[goal]
@@ -72,5 +73,8 @@ def shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue, 
             reached[other] = total
             arrival[other] = k
             push(heads, entry_node, entry_cost, below, state, max(int((estimate - base) / width), bucket), other, total)
-    memory.noted[FORWARD] = noted
+    all_noted[FORWARD] = noted
+    all_reached[BACKWARD, goal] = 0.0
+    all_touched[BACKWARD, 0] = goal
+    all_noted[BACKWARD] = 1
     return expanded
