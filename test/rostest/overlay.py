@@ -114,7 +114,7 @@ class OverlayTest(unittest.TestCase):
 
     def test_d_obstacles_expire_by_ros_time(self) -> None:
         self.at(200.0)
-        wait_until(lambda: rospy.Time.now().to_sec() == 200.0, "the time")
+        wait_until(lambda: self.plan().path.header.stamp.to_sec() == 200.0, "the time to reach the node")
         self.put(lifetime=5.0)
         self.put(name="far", centre=(11.0, 3.5))
         self.at(204.9)

@@ -66,8 +66,10 @@ def test_a_place_that_cannot_be_reached_does_not_count():
     closed_room = 10.9, 3.8
     with pytest.raises(NoPath):
         PLANNER.plan(START, closed_room)
-    with pytest.raises(NoPath):
+    with pytest.raises(NoPath, match="too narrow; nor can any place within 1 m of the goal be reached"):
         PLANNER.plan(START, closed_room, tolerance=1.0)
+    with pytest.raises(InvalidGoal, match="wall; the nearest .*; nor can any place within 0.1 m of the goal"):
+        PLANNER.plan(START, (5.75, 0.2), tolerance=0.1)
     plan = PLANNER.plan(START, closed_room, tolerance=2.0)
     assert plan.points[-1][0] < 9.5 and plan.message.startswith("the goal is cut off; the path ends")
     # in the wall of that room, a little nearer to it than to where the robot can get

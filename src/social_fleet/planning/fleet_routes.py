@@ -48,7 +48,8 @@ class FleetRoutes:
         self._seen = overlays.version
         self._counted = 0
         self._graph: Optional[SocialGraph] = None
-        self._lock = threading.Lock()  # of the detours; held for a moment only
+        self._lock = threading.Lock()  # of the detours; held for no longer than it takes to sum them up
+        self._queueing = threading.Lock()  # of the queue and its count; held for a moment only
         self._counting = threading.Lock()  # of the heatmaps; nobody who adds a plan waits for it
         self._learning = threading.Lock()  # one extraction at a time
         if graph is not None:
@@ -95,8 +96,9 @@ class FleetRoutes:
                     self._detours.add(passing, edges)
                 if passing or not any(known):
                     return
-        self._waiting.append(edges)
-        self._counted += 1
+        with self._queueing:
+            self._waiting.append(edges)
+            self._counted += 1
         if self._counting.acquire(blocking=False):
             try:
                 self._count_waiting(_AT_ONCE)

@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from dataclasses import replace
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -157,9 +157,11 @@ class SocialPlanner:
         try:
             return self._plan(start, goal, planner, avoid, around)
         except (InvalidGoal, NoPath) as error:
-            place = self._beside(start, goal, around, tolerance) if tolerance > 0.0 else None
-            if place is None:
+            if tolerance == 0.0:
                 raise
+            place = self._beside(start, goal, around, tolerance)
+            if place is None:
+                raise _nowhere(error, tolerance) from error
             reason = f"blocked: {error.message.partition(';')[0]}" if isinstance(error, InvalidGoal) else "cut off"
         plan = self._plan(start, place, planner, avoid, around)
         shift = math.hypot(place[0] - goal[0], place[1] - goal[1])
@@ -290,6 +292,14 @@ class SocialPlanner:
         return NoPath(f"no path for a robot of radius {self.config.robot_radius:g} m with a margin of "
                       f"{self.config.wall_margin:g} m to walls from "
                       f"({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}){around}: {reason}")
+
+
+def _nowhere(error: Union[InvalidGoal, NoPath], tolerance: float) -> Union[InvalidGoal, NoPath]:
+    """The error that a tolerance did not help with."""
+    note = f"; nor can any place within {tolerance:g} m of the goal be reached"
+    if isinstance(error, InvalidGoal):
+        return InvalidGoal(error.message + note, field=error.field)
+    return NoPath(str(error) + note)
 
 
 def _yaw(pose: Sequence[float]) -> Optional[float]:
