@@ -37,7 +37,11 @@ def run(args: argparse.Namespace) -> int:
     pairs = _pairs(args)
     check_outputs(args.out, args.plot)
     planner = make_planner(args.map, args.config, args.graph)
+    from social_fleet.planning.planner import PREPARED_FROM
+
     overlays = _overlays(args, planner.grid)
+    if len(pairs) >= PREPARED_FROM:
+        planner.prepare()
     for name, start, goal in pairs:
         _check(planner, args, name, start, goal, overlays)
     records, plans = [], []

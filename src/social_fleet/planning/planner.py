@@ -31,6 +31,7 @@ PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000
 RRT_STEP = 3.0  # [m]
 RRT_SEED = 0
+PREPARED_FROM = 100  # plans from which on it pays to prepare a planner for them
 
 
 class Surroundings(NamedTuple):

@@ -201,10 +201,13 @@ def learn(planner: "SocialPlanner", *, paths: int, seed: int,
     InvalidInput
         When `paths` is not positive.
     """
+    from social_fleet.planning.planner import PREPARED_FROM
     from social_fleet.planning.random_poses import random_pose_pairs
 
     if paths < 1:
         raise InvalidInput(f"must be at least 1, not {paths}", field="paths")
+    if paths >= PREPARED_FROM:
+        planner.prepare()
     heatmaps = Heatmaps(planner.grid.shape)
     for done, (start, goal) in enumerate(random_pose_pairs(planner, paths, seed=seed), start=1):
         heatmaps.add(planner.plan(start, goal).cells)

@@ -71,7 +71,7 @@ def read_config(given: Mapping[str, Any], scenario: str, prefix: str) -> Tuple[P
 class PlanningFleet:
     """Plans on one map for robots of any radius; learns from the paths that the fleet plans.
 
-    `learn` may run in another thread than the rest; nothing that plans or counts waits for it.
+    `learn` and `prepare` may run in another thread than the rest; nothing that plans or counts waits for it.
 
     Parameters
     ----------
@@ -116,6 +116,10 @@ class PlanningFleet:
     def counted(self) -> int:
         """How many paths were counted, detours not among them."""
         return self._routes.counted
+
+    def prepare(self) -> None:
+        """Make plans for robots of the configured radius fast; planning goes on meanwhile, as before."""
+        self.planner(self._config.robot_radius).prepare()
 
     def plan(self, radius: float, start: Pose, goal: Pose, *, avoid: Sequence[Disc] = (),
              tolerance: float = 0.0) -> Plan:

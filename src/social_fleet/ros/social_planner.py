@@ -76,6 +76,8 @@ class SocialPlannerNode:
         rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         self._learner = BackgroundWork(self._learn, "learning")
         rospy.on_shutdown(self._learner.stop)
+        self._preparer = BackgroundWork(self._prepare, "preparing")
+        rospy.on_shutdown(self._preparer.stop)
         self._services = [rospy.Service("~plan_path", PlanPath, self._serve_plan_path),
                           rospy.Service("~make_plan", GetPlan, self._serve_make_plan),
                           rospy.Service("~add_overlay", AddOverlay, self._serve_add_overlay),
@@ -100,8 +102,14 @@ class SocialPlannerNode:
                 rospy.logerr("the map cannot be used: %s", error)
                 return
             self._publish_graph(fleet)
+        self._preparer.request()
         rospy.loginfo("ready to plan on a map of %d x %d cells of %g m", grid.shape[1], grid.shape[0],
                       grid.resolution)
+
+    def _prepare(self) -> None:
+        fleet = self._fleet
+        if fleet is not None:
+            fleet.prepare()
 
     def _hear_path(self, message: PlannedPath) -> None:
         """What this node planned itself comes back here, too; it has been counted."""
