@@ -76,7 +76,8 @@ def cached(kind: str, digest: str, compute: Callable[[], Mapping[str, np.ndarray
         with atomic_write(path, "wb") as stream:
             _write(stream, arrays)
         _drop_oldest(folder, path)
-    except (OSError, InvalidInput) as error:
+        return _read(path)  # whose memory the system may take back, unlike that of `arrays`
+    except (OSError, ValueError, InvalidInput) as error:
         log.warning("nothing is cached on disk: %s", error)
     return arrays
 

@@ -76,8 +76,8 @@ class SocialPlanner:
         self.space = ConfigurationSpace(grid, config.robot_radius)
         self._way = ConfigurationSpace(grid, config.robot_radius + config.wall_margin)
         self.lattice = Lattice(self._way)
-        self._social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
-        self._search = Search(self.lattice, self._social, exemption_radius=config.exemption_radius,
+        social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
+        self._search = Search(self.lattice, social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
         self._overlaid = OverlaidMaps(self.space, self._way, self.lattice)
         self._lock = threading.Lock()
@@ -260,7 +260,7 @@ class SocialPlanner:
         paid = np.cumsum(np.concatenate([[0.0], joints[:1], steps, joints[1:]]))
         exempt = np.zeros(len(self.lattice), dtype=np.uint8)
         exempt[result.exempt] = 1
-        prices = Prices(self.lattice.links, self._social, exempt)
+        prices = Prices(self.lattice.links, self._search.social, exempt)
         return smooth(points, nodes, paid, ground, prices, bound=self.config.smoothing_bound if social else -1.0,
                       corner_radius=self.config.corner_radius, least=self._least_radius())
 

@@ -90,13 +90,18 @@ class Search:
         Edges with an end this close [m] to start or goal, as one drives there, bear no social cost; see `exemption`.
     epsilon : float
         Extra cost [m] of an edge outside the social graph.
+
+    Attributes
+    ----------
+    social : (N, 8) float32 array
+        Social cost of every edge in whole units.
     """
 
     def __init__(self, lattice: Lattice, social: np.ndarray, *, exemption_radius: float = 0.0,
                  epsilon: float = 0.0) -> None:
         self._lattice = lattice
         self._links = lattice.links._replace(lengths=_whole_units(lattice.lengths))
-        self._social = _whole_units(social)
+        self.social = _whole_units(social)
         self._radius = exemption_radius if exemption_radius > 0.0 else -1.0
         self._epsilon = float(_whole_units(np.array(epsilon)))
         self._skeleton: Optional[Skeleton] = None
@@ -118,7 +123,7 @@ class Search:
         prepared : bool
             Spend a few microseconds per node on a hierarchy that makes every search with this metric fast.
         """
-        social, waiver = self._social, Waiver(self._radius, np.zeros(0, dtype=np.uint8), 0.0)
+        social, waiver = self.social, Waiver(self._radius, np.zeros(0, dtype=np.uint8), 0.0)
         if graph is not None:
             social, waiver = _with_graph(social, graph, self._epsilon), Waiver(self._radius, graph, self._epsilon)
         if not prepared or not len(self._lattice):
@@ -133,7 +138,7 @@ class Search:
             arrays = cached("skeleton", digest, lambda: dissect(links)._asdict())
             self._skeleton = Skeleton(**arrays)
         skeleton = self._skeleton
-        if social is not self._social:
+        if social is not self.social:
             return customised(links, skeleton, social)
         digest = digest_of(links.row, links.col, links.edges, links.lengths, social)
         arrays = cached("hierarchy", digest, lambda: _costs_of(customised(links, skeleton, social)))
@@ -184,7 +189,7 @@ class Search:
 
     def evaluate(self, result: SearchResult, metric: Optional[Metric] = None) -> np.ndarray:
         """Length and cost beyond it [m] of each step, by default in Eq. 2, exemption included: shape (2, M - 1)."""
-        social, graph = (metric.social, metric.waiver.graph) if metric else (self._social, np.zeros(0, dtype=np.uint8))
+        social, graph = (metric.social, metric.waiver.graph) if metric else (self.social, np.zeros(0, dtype=np.uint8))
         memory = self._memory
         memory.settled[result.exempt] = 1
         steps = _evaluate(self._links.lengths, social, graph, self._epsilon, result.nodes, result.headings,
