@@ -14,14 +14,14 @@ from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.baselines.rrt_star import PATIENCE, rrt_star
 from social_fleet.planning.chords import Ground, Prices
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.costs import edge_costs
 from social_fleet.planning.ends import checked_position, joined, parsed_pose, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
-from social_fleet.planning.norms import Norm, norm_of
+from social_fleet.planning.norms import Norm
 from social_fleet.planning.overlay import Disc, covered_nodes, local_discs
 from social_fleet.planning.overlays.overlaid import Overlaid, OverlaidMaps, near_overlays
 from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
+from social_fleet.planning.precomputation import social_costs
 from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_reachable
 from social_fleet.planning.search import Search, SearchResult
 from social_fleet.planning.smoothing import rounded, smooth
@@ -76,7 +76,7 @@ class SocialPlanner:
         self.space = ConfigurationSpace(grid, config.robot_radius)
         self._way = ConfigurationSpace(grid, config.robot_radius + config.wall_margin)
         self.lattice = Lattice(self._way)
-        social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
+        social = social_costs(self.lattice, grid, config, norm)
         self._search = Search(self.lattice, social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
         self._overlaid = OverlaidMaps(self.space, self._way, self.lattice)

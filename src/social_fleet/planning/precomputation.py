@@ -1,0 +1,60 @@
+"""Social costs from the cache on disk, where all that they depend on can be told."""
+
+import dataclasses
+import functools
+import inspect
+from typing import Any, Optional
+
+import numpy as np
+
+from social_fleet.mapping import clearance, distances, walls
+from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.planning import costs, lattice as lattices, norms
+from social_fleet.planning.cache import cached, digest_of
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.costs import edge_costs
+from social_fleet.planning.lattice import Lattice
+from social_fleet.planning.norms import Norm, norm_of
+
+# What costs are computed with: when one of these files changes, what is cached does not hold any more.
+_SOURCES = (clearance, distances, walls, costs, lattices, norms)
+
+
+def social_costs(lattice: Lattice, grid: OccupancyGrid, config: PlannerConfig, norm: Optional[Norm]) -> np.ndarray:
+    """The social cost of every edge, (N, 8) float32 [m]: see `edge_costs`.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        The graph.
+    grid : OccupancyGrid
+        The map that it was made from.
+    config : PlannerConfig
+        Parameters.
+    norm : Norm, optional
+        What to charge; by default what the configuration says. What another one depends on cannot be told, so it is
+        asked anew every time.
+    """
+    chosen = norm or norm_of(config)
+
+    def compute() -> np.ndarray:
+        return edge_costs(lattice, grid.blocked, chosen, stretch=config.wall_stretch)
+
+    source = _source(type(chosen))
+    if norm is not None or source is None:
+        return compute()
+    digest = digest_of(grid.digest, dataclasses.asdict(config), source, _sources_digest())
+    return cached("costs", digest, lambda: {"social": compute()})["social"]
+
+
+def _source(thing: Any) -> Optional[str]:
+    """The text of a class or module; None where it cannot be had."""
+    try:
+        return inspect.getsource(inspect.getmodule(thing) or thing)
+    except (OSError, TypeError):
+        return None
+
+
+@functools.lru_cache(maxsize=None)
+def _sources_digest() -> str:
+    return digest_of(*(_source(module) for module in _SOURCES))

@@ -1,0 +1,50 @@
+"""Social costs from the cache: the same as worked out, and never those of something else."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from worlds import grid_from_text
+
+from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.planning import cache, precomputation
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.lattice import Lattice
+from social_fleet.planning.norms import NoNorm
+
+GRID = grid_from_text("\n".join(["#" * 40, *["#" + "." * 38 + "#"] * 18, "#" * 40]), 0.2)
+LATTICE = Lattice(ConfigurationSpace(GRID, 0.28))
+CONFIG = PlannerConfig()
+
+
+@pytest.fixture
+def computed(tmp_path, monkeypatch):
+    """An empty cache, and a list that grows whenever costs are worked out."""
+    monkeypatch.setenv(cache.FOLDER, str(tmp_path))
+    calls = []
+    honest = precomputation.edge_costs
+    monkeypatch.setattr(precomputation, "edge_costs", lambda *args, **options: calls.append(1) or honest(*args, **options))
+    return calls
+
+
+def test_the_second_planner_of_a_map_takes_the_first_ones_costs(computed):
+    first, second = (precomputation.social_costs(LATTICE, GRID, CONFIG, None) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+    assert len(computed) == 1
+
+
+@pytest.mark.parametrize("change", [{"side": "left"}, {"w_right": 2.0}, {"wall_stretch": 2.0}, {"robot_radius": 0.2}])
+def test_other_parameters_have_other_costs(computed, change):
+    precomputation.social_costs(LATTICE, GRID, CONFIG, None)
+    other = dataclasses.replace(CONFIG, **change)
+    np.testing.assert_array_equal(precomputation.social_costs(LATTICE, GRID, other, None),
+                                  precomputation.edge_costs(LATTICE, GRID.blocked, precomputation.norm_of(other),
+                                                            stretch=other.wall_stretch))
+    assert len(computed) == 3
+
+
+def test_a_norm_that_was_made_elsewhere_is_asked_every_time(computed):
+    for _ in range(2):
+        assert not precomputation.social_costs(LATTICE, GRID, CONFIG, NoNorm())[np.isfinite(
+            precomputation.social_costs(LATTICE, GRID, CONFIG, NoNorm()))].any()
+    assert len(computed) == 4
