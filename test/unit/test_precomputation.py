@@ -23,7 +23,12 @@ def computed(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.FOLDER, str(tmp_path))
     calls = []
     honest = precomputation.edge_costs
-    monkeypatch.setattr(precomputation, "edge_costs", lambda *args, **options: calls.append(1) or honest(*args, **options))
+
+    def counted(*args, **options):
+        calls.append(args)
+        return honest(*args, **options)
+
+    monkeypatch.setattr(precomputation, "edge_costs", counted)
     return calls
 
 

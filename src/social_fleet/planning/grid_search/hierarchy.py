@@ -10,7 +10,7 @@ Dibbelt, Strasser, Wagner: Customizable Contraction Hierarchies. ACM JEA 21 (201
 Strasser, Zeitz: A Fast and Tight Heuristic for A* in Road Networks. SEA 2021, doi:10.4230/LIPIcs.SEA.2021.6.
 """
 
-from typing import NamedTuple, Tuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -56,7 +56,7 @@ def customised(links: Links, skeleton: Skeleton, social: np.ndarray) -> Hierarch
     up = np.full(len(skeleton.heads), DEAREST, dtype=np.uint32)
     down = up.copy()
     _enter_edges(links, skeleton, social, up, down)
-    _enter_triangles(skeleton, *_lower_arcs(skeleton), up, down)
+    _enter_triangles(skeleton, up, down)
     return Hierarchy(skeleton, up, down)
 
 
@@ -94,40 +94,38 @@ def _enter_edges(links: Links, skeleton: Skeleton, social: np.ndarray, up: np.nd
 
 
 @njit(cache=True, nogil=True)
-def _lower_arcs(skeleton: Skeleton) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The arcs that lead to each rank, one rank after the other, their tails, and where each rank's begin."""
-    _, parent, first, heads = skeleton
-    begin = np.zeros(len(parent) + 1, dtype=np.int64)
-    for head in heads:
-        begin[head + 1] += 1
-    for rank in range(len(parent)):
-        begin[rank + 1] += begin[rank]
-    arcs, tails = np.empty(len(heads), dtype=np.int32), np.empty(len(heads), dtype=np.int32)
-    place = begin.copy()
-    for tail in range(len(parent)):
-        for arc in range(first[tail], first[tail + 1]):
-            head = heads[arc]
-            arcs[place[head]], tails[place[head]] = arc, tail
-            place[head] += 1
-    return arcs, tails, begin
-
-
-@njit(cache=True, nogil=True)
-def _enter_triangles(skeleton: Skeleton, arcs: np.ndarray, tails: np.ndarray, begin: np.ndarray, up: np.ndarray,
-                     down: np.ndarray) -> None:
+def _enter_triangles(skeleton: Skeleton, up: np.ndarray, down: np.ndarray) -> None:
     """From the lowest on, let arcs x-y take the way over every lower node v that has arcs to both."""
     _, parent, first, heads = skeleton
-    arc_to = np.zeros(len(parent), dtype=np.int64)
+    arc_to = np.zeros(len(parent), dtype=np.int64)  # by head: the arc from x to it
+    # Every v waits, in a list of x, for the x that its arc `turn` leads to.
+    turn = first[:-1].copy()
+    waiting, behind = np.full(len(parent), -1, dtype=np.int32), np.full(len(parent), -1, dtype=np.int32)
     for x in range(len(parent)):
         for arc in range(first[x], first[x + 1]):
             arc_to[heads[arc]] = arc
-        for index in range(begin[x], begin[x + 1]):
-            v, vx = tails[index], arcs[index]
+        v = waiting[x]
+        while v >= 0:
+            following, vx = behind[v], turn[v]
             to_x, from_x = np.int64(up[vx]), np.int64(down[vx])
             for vy in range(vx + 1, first[v + 1]):
                 xy = arc_to[heads[vy]]
                 up[xy] = min(np.int64(up[xy]), from_x + up[vy])
                 down[xy] = min(np.int64(down[xy]), down[vy] + to_x)
+            turn[v] += 1
+            _queue_up(v, turn, first, heads, waiting, behind)
+            v = following
+        _queue_up(x, turn, first, heads, waiting, behind)
+
+
+@njit(cache=True, nogil=True)
+def _queue_up(v: int, turn: np.ndarray, first: np.ndarray, heads: np.ndarray, waiting: np.ndarray,
+              behind: np.ndarray) -> None:
+    """Put v into the list of the rank that its next arc leads to, if it has one."""
+    if turn[v] < first[v + 1]:
+        head = heads[turn[v]]
+        behind[v] = waiting[head]
+        waiting[head] = v
 
 
 @njit(cache=True, nogil=True)
