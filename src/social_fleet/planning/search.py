@@ -8,15 +8,15 @@ import numpy as np
 from numba import njit
 
 from social_fleet.planning.cache import cached, digest_of
-from social_fleet.planning.grid_search.buckets import FULL, Queue, new_queue
+from social_fleet.planning.grid_search.buckets import FULL, new_queue
 from social_fleet.planning.grid_search.dissection import Skeleton, dissect
 from social_fleet.planning.grid_search.exemption import Waiver
 from social_fleet.planning.grid_search.guided import cheapest
 from social_fleet.planning.grid_search.hierarchy import (
-    UNIT, Hierarchy, Potentials, customised, new_potentials, no_hierarchy)
-from social_fleet.planning.grid_search.memory import Memory, forget, new_memory, recall
+    UNIT, Hierarchy, customised, new_potentials, no_hierarchy)
+from social_fleet.planning.grid_search.memory import forget, new_memory, recall
 from social_fleet.planning.grid_search.plain import shortest
-from social_fleet.planning.lattice import Lattice, Links
+from social_fleet.planning.lattice import Lattice
 
 BUCKETS_PER_CELL = 16  # so that a bucket holds nearly equal costs
 MAX_BUCKETS = 1 << 16
@@ -146,7 +146,7 @@ class Search:
 
     def shortest(self, start: int, goal: int, *, closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
         """The shortest path between two nodes by plain A*, without social cost. See `cheapest`."""
-        return self._run(_shortest, start, goal, closed, tuple(self._links))
+        return self._run(_shortest, start, goal, closed, *self._links)
 
     def cheapest(self, start: int, goal: int, metric: Metric, *,
                  closed: Optional[np.ndarray] = None) -> Optional[SearchResult]:
@@ -167,9 +167,9 @@ class Search:
             None when the goal cannot be reached.
         """
         potentials = self._potentials if metric.prepared else self._no_potentials
-        (skeleton, up, down), waiver = metric.hierarchy, tuple(metric.waiver)
-        return self._run(_cheapest, start, goal, closed, tuple(self._links), metric.social, waiver,
-                         (tuple(skeleton), up, down), tuple(potentials))
+        skeleton, up, down = metric.hierarchy
+        return self._run(_cheapest, start, goal, closed, *self._links, metric.social, *metric.waiver, *skeleton, up,
+                         down, *potentials)
 
     def _run(self, kernel: Callable[..., Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]], start: int, goal: int,
              closed: Optional[np.ndarray], *given: Any) -> Optional[SearchResult]:
@@ -179,7 +179,7 @@ class Search:
             reached[:, closed] = -np.inf
         while True:
             queue.state[FULL] = 0
-            found = kernel(*given, start, goal, tuple(self._memory), tuple(queue), self._width)
+            found = kernel(start, goal, self._width, *self._memory, *queue, *given)
             if not queue.state[FULL]:
                 break
             queue = self._queue = new_queue(len(queue.heads), 2 * len(queue.node))
@@ -198,25 +198,41 @@ class Search:
         return steps
 
 
+# What Python calls has its arrays one by one, for Numba takes longer to recognise tuples of them than to search.
+
+
 @njit(cache=True, nogil=True)
-def _shortest(links: Links, start: int, goal: int, memory: Memory, queue: Queue,
-              width: float) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
+def _shortest(start: int, goal: int, width: float,
+              reached: np.ndarray, arrival: np.ndarray, settled: np.ndarray, touched: np.ndarray, noted: np.ndarray,
+              heads: np.ndarray, node: np.ndarray, cost: np.ndarray, below: np.ndarray, state: np.ndarray,
+              row: np.ndarray, col: np.ndarray, up: np.ndarray, down: np.ndarray, edges: np.ndarray,
+              lengths: np.ndarray) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
     """What `SearchResult` holds, by plain A*; the memory is as new afterwards."""
-    expanded = shortest(links, start, goal, memory, queue, width)
-    nodes, headings, cost = recall(links, memory, start, goal, goal)
+    links, memory = (row, col, up, down, edges, lengths), (reached, arrival, settled, touched, noted)
+    expanded = shortest(links, start, goal, memory, (heads, node, cost, below, state), width)
+    nodes, headings, total = recall(links, memory, start, goal, goal)
     forget(memory)
-    return nodes, headings, cost, expanded, np.empty(0, dtype=np.int32)
+    return nodes, headings, total, expanded, np.empty(0, dtype=np.int32)
 
 
 @njit(cache=True, nogil=True)
-def _cheapest(links: Links, social: np.ndarray, waiver: Waiver, hierarchy: Hierarchy, potentials: Potentials,
-              start: int, goal: int, memory: Memory, queue: Queue,
-              width: float) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
+def _cheapest(start: int, goal: int, width: float,
+              reached: np.ndarray, arrival: np.ndarray, settled: np.ndarray, touched: np.ndarray, noted: np.ndarray,
+              heads: np.ndarray, node: np.ndarray, cost: np.ndarray, below: np.ndarray, state: np.ndarray,
+              row: np.ndarray, col: np.ndarray, up: np.ndarray, down: np.ndarray, edges: np.ndarray,
+              lengths: np.ndarray, social: np.ndarray, radius: float, graph: np.ndarray, epsilon: float,
+              rank: np.ndarray, parent: np.ndarray, first: np.ndarray, arc_heads: np.ndarray, arc_up: np.ndarray,
+              arc_down: np.ndarray, distance: np.ndarray, known: np.ndarray, number: np.ndarray,
+              stack: np.ndarray) -> Tuple[np.ndarray, np.ndarray, float, int, np.ndarray]:
     """What `SearchResult` holds, in the metric given; the memory is as new afterwards."""
-    middle, expanded, exempt = cheapest(links, social, waiver, hierarchy, potentials, start, goal, memory, queue, width)
-    nodes, headings, cost = recall(links, memory, start, middle, goal)
+    links, memory = (row, col, up, down, edges, lengths), (reached, arrival, settled, touched, noted)
+    hierarchy = (rank, parent, first, arc_heads), arc_up, arc_down
+    middle, expanded, exempt = cheapest(links, social, (radius, graph, epsilon), hierarchy,
+                                        (distance, known, number, stack), start, goal, memory,
+                                        (heads, node, cost, below, state), width)
+    nodes, headings, total = recall(links, memory, start, middle, goal)
     forget(memory)
-    return nodes, headings, cost, expanded, exempt
+    return nodes, headings, total, expanded, exempt
 
 
 @njit(cache=True, nogil=True)

@@ -6,8 +6,7 @@ never the result.
 
 Kernels unpack tuples of arrays once, at their top, hand single arrays on, and never replace them: Numba counts
 references otherwise, which makes an inner loop four times as slow. So a queue that is full says so, and whoever called
-the kernel calls it again with a larger one. From Python they are called with plain tuples, for those with names take
-Numba longer to recognise than a search takes; names are for readers.
+the kernel calls it again with a larger one.
 """
 
 from typing import NamedTuple
