@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-SUBJECTS = ("planning", "coordination", "fleets", "simulation", "nodes")
+SUBJECTS = ("planning", "coordination", "fleets", "simulation", "nodes", "steadiness", "head_on")
 
 
 def main() -> int:

@@ -16,13 +16,18 @@ from social_fleet.planning.corners import merge_bends, round_corners
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
 SPACING = 1.0  # [m] between places where a chord may end
 VERTEX_COST = 0.1  # [m] that a vertex is worth, so that chords come out long
-TURN_COST = 1.5  # [m/rad] that a turn is worth
-REACH = 15.0  # [m] of a single chord before the last pass
-PATIENCE = 6
+TURN_COST = 1.5  # [m/rad] that a turn is worth at least
+STEADY_TURN_COST = 40.0  # [m/rad] that it is worth at most on a social path
+SHORT_WAY = 30.0  # [m] what a social path costs for which a turn is worth no more
+MOST_SLACK = 17.0  # [m] by which any chord may be dearer than what it replaces
+REACH = 20.0  # [m] of a single chord before the last pass
+PATIENCE = 4
+MENDING_PATIENCE = 20
 SMALLEST_RADIUS = 0.1  # [m] of a corner's arc
 ARC_STEP = 0.15  # [m] between vertices on an arc
 SHARP = math.radians(20.0)  # a turn for which a robot stops
 JOG = 0.4  # [m] below which a side beside a sharp turn belongs to a jog
+JOG_MARGIN = 1.0  # [m] of the path beside a jog that is looked at again
 NARROW_REACH = 1.0  # [m] of a chord that may use up some of the margin
 SHORT_SIDE = 0.8  # [m] below which two turns of the same sense become one
 
@@ -42,7 +47,8 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     ground, prices
         Where a robot fits with its margin, and what edges cost.
     bound : float
-        Share by which a chord may be dearer than what it replaces; negative to look at length alone.
+        Share of the path's whole cost by which a chord may be dearer than what it replaces; negative to look at
+        length alone.
     corner_radius : float
         Largest radius of an arc [m], 0 for none.
     least : float
@@ -53,23 +59,34 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     (N, 2) array
         Vertices in cells, the first and last those of `points`.
     """
-    chosen = candidates_of(points, STAIRCASE, SPACING / ground.resolution)
-    # Where no chord fits in the first round, every point of the path is a candidate in the second.
-    for patience in (PATIENCE, 2 * PATIENCE):
-        chosen = pull(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST, REACH, patience,
-                      ground, 0.0)
-    chosen = drop_needless(ground, prices, points, nodes, paid, chosen, bound, VERTEX_COST, TURN_COST)
+    slack = min(bound * paid[-1], MOST_SLACK) if bound >= 0.0 else bound
+    turn_cost = TURN_COST
+    if bound >= 0.0:
+        # A long way leaves room for gentle lane changes; a short one would consist of them.
+        turn_cost = min(max(paid[-1] - SHORT_WAY, TURN_COST), STEADY_TURN_COST)
+    spacing = SPACING / ground.resolution
+    candidates = candidates_of(ground, prices, points, nodes, paid, STAIRCASE, spacing, slack)
+    chosen = pull(ground, prices, points, nodes, paid, candidates, slack, VERTEX_COST, turn_cost, REACH, PATIENCE,
+                  ground, 0.0)
+    chosen = drop_needless(ground, prices, points, nodes, paid, chosen, slack, VERTEX_COST, turn_cost)
     path = rounded(ground, points[chosen], corner_radius, least)
     if not (turns(path) > SHARP).any():
         return path
     narrow = ground._replace(radius=least)
     for first, last in reversed(jogs(points[chosen], JOG / ground.resolution)):
-        window = np.arange(chosen[first], chosen[last] + 1)
+        window = _around(chosen, first, last, int(JOG_MARGIN / ground.resolution))
         # So short a stretch is no lane: length alone counts.
-        mended = pull(ground, prices, points, nodes, paid, window, -1.0, VERTEX_COST, TURN_COST, REACH, len(window),
+        mended = pull(ground, prices, points, nodes, paid, window, -1.0, VERTEX_COST, TURN_COST, REACH, MENDING_PATIENCE,
                       narrow, NARROW_REACH)
         chosen = np.concatenate([chosen[:first], mended, chosen[last + 1:]])
     return rounded(ground, points[chosen], corner_radius, least)
+
+
+def _around(chosen: np.ndarray, first: int, last: int, margin: int) -> np.ndarray:
+    """Candidates to mend a jog: the vertices `first` and `last`, and all points up to `margin` from those between."""
+    low, high = chosen[first], chosen[last]
+    near = np.arange(max(low + 1, chosen[first + 1] - margin), min(high, chosen[last - 1] + margin + 1))
+    return np.concatenate([[low], near, [high]])
 
 
 def turns(vertices: np.ndarray) -> np.ndarray:
