@@ -2,7 +2,7 @@
 
 import argparse
 
-from social_fleet.cli.arguments import check_outputs, count, seed
+from social_fleet.cli.arguments import add_zones, check_outputs, count, seed
 from social_fleet.cli.output import show, written
 from social_fleet.cli.progress import progress
 
@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--paths", required=True, type=count, metavar="N", help="how many paths to plan")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="of the random poses; default: 0")
     parser.add_argument("--config", metavar="C.yaml", help="parameters of the planner, such as robot_radius and side")
+    add_zones(parser)
     parser.add_argument("--out", required=True, metavar="G", help="the graph file, for plan --graph")
 
 
@@ -25,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     from social_fleet.cli.plan import make_planner
     from social_fleet.planning.social_graph import learn
 
-    planner = make_planner(args.map, args.config)
+    planner = make_planner(args.map, args.config, zones=args.zones)
     with progress(args.paths, "learning", "paths") as update:
         graph = learn(planner, paths=args.paths, seed=args.seed, progress=lambda done, _: update(done))
     graph.save(args.out)

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from social_fleet.mapping.distances import segment_clearance
-from social_fleet.planning.lattice import Links, neighbour
+from social_fleet.planning.lattice import Links
 
 
 class Ground(NamedTuple):
@@ -35,28 +35,28 @@ class Prices(NamedTuple):
 @njit(cache=True)
 def is_free(ground: Ground, x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether the robot's disc fits all along the segment."""
+    blocked, clearance, resolution, radius, discs = ground
     length = math.hypot(x1 - x0, y1 - y0)
-    for d in range(len(ground.discs)):
-        if _distance(ground.discs[d, 0], ground.discs[d, 1], x0, y0, x1, y1) < ground.discs[d, 2]:
+    for d in range(len(discs)):
+        if _distance(discs[d, 0], discs[d, 1], x0, y0, x1, y1) < discs[d, 2]:
             return False
     if length < 1e-12:
-        return segment_clearance(ground.blocked, (x0, y0), (x1, y1), ground.radius, ground.radius) >= ground.radius
+        return segment_clearance(blocked, (x0, y0), (x1, y1), radius, radius) >= radius
     dx, dy = (x1 - x0) / length, (y1 - y0) / length
-    rows, cols = ground.blocked.shape
+    rows, cols = blocked.shape
     along = 0.0
     while along < length:
         x, y = x0 + along * dx, y0 + along * dy
         r, c = int(math.floor(y)), int(math.floor(x))
         if r < 0 or c < 0 or r >= rows or c >= cols:
             return False
-        room = (ground.clearance[r, c] / ground.resolution - ground.radius
-                - math.hypot(x - c - 0.5, y - r - 0.5) - 1e-6)
+        room = clearance[r, c] / resolution - radius - math.hypot(x - c - 0.5, y - r - 0.5) - 1e-6
         if room > 0.5:
             along += room
             continue
         ahead = min(along + 4.0, length)
         there = (x0 + ahead * dx, y0 + ahead * dy)
-        if segment_clearance(ground.blocked, (x, y), there, ground.radius, ground.radius) < ground.radius:
+        if segment_clearance(blocked, (x, y), there, radius, radius) < radius:
             return False
         along = ahead
     return True
@@ -86,20 +86,23 @@ def _distance(px: float, py: float, x0: float, y0: float, x1: float, y1: float) 
 
 
 @njit(cache=True)
-def edge_cost(prices: Prices, node: int, heading: int, other: int) -> float:
-    """Social cost of an edge of the lattice, waived near the exempt cells."""
-    for e in range(len(prices.exempt)):
+def _waived(row: np.ndarray, col: np.ndarray, exempt: np.ndarray, exempt_squared: float, node: int, other: int) -> bool:
+    """Whether the social cost of the edge between two nodes is waived."""
+    for e in range(len(exempt)):
         for n in (node, other):
-            drow, dcol = prices.links.row[n] - prices.exempt[e, 0], prices.links.col[n] - prices.exempt[e, 1]
-            if drow * drow + dcol * dcol <= prices.exempt_squared:
-                return 0.0
-    return prices.social[node, heading]
+            drow, dcol = row[n] - exempt[e, 0], col[n] - exempt[e, 1]
+            if drow * drow + dcol * dcol <= exempt_squared:
+                return True
+    return False
 
 
 @njit(cache=True)
 def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[float, float]:
     """Length and social cost of the digital line between two nodes; infinite where it breaks or passes `budget`."""
-    drow, dcol = prices.links.row[goal] - prices.links.row[node], prices.links.col[goal] - prices.links.col[node]
+    # Arrays of a named tuple cost reference counting at every access, so they are taken out of it once.
+    row, col, up, down, edges, lengths = prices.links
+    prices_of, exempt = prices.social, prices.exempt
+    drow, dcol = row[goal] - row[node], col[goal] - col[node]
     steps, minor = max(abs(drow), abs(dcol)), min(abs(drow), abs(dcol))
     straight, diagonal = _line_headings(drow, dcol)
     length, social = 0.0, 0.0
@@ -110,11 +113,15 @@ def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[flo
         if error < 0:
             heading = diagonal
             error += steps
-        if not prices.links.edges[node] >> heading & 1:
+        if not edges[node] >> heading & 1:
             return np.inf, np.inf
-        other = neighbour(prices.links, node, heading)
-        length += prices.links.lengths[heading]
-        social += edge_cost(prices, node, heading, other)
+        if heading == 0 or heading == 4:
+            other = node + 1 if heading == 0 else node - 1
+        else:
+            other = up[node] + 2 - heading if heading < 4 else down[node] + heading - 6
+        length += lengths[heading]
+        if not _waived(row, col, exempt, prices.exempt_squared, node, other):
+            social += prices_of[node, heading]
         if length + social > budget:
             return np.inf, np.inf
         node = other
@@ -272,7 +279,7 @@ def drop_needless(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.
         sides[v] = chord(ground, prices, points, nodes, paid, kept[v - 1], kept[v], unbounded, np.inf)
     v = 1
     while v < count - 1:
-        i, j, k = kept[v - 1], kept[v], kept[v + 1]
+        i, k = kept[v - 1], kept[v + 1]
         saved = sides[v] + sides[v + 1] + vertex_cost + turn_cost * _turn_change(points, kept, v, count)
         without = chord(ground, prices, points, nodes, paid, i, k, slack, saved)
         if without < np.inf:

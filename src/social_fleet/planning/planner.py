@@ -21,6 +21,7 @@ from social_fleet.planning.plan import Plan
 from social_fleet.planning.search import Search, SearchResult
 from social_fleet.planning.smoothing import rounded, smooth
 from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.zones import Zone, zoned_norms
 
 PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000
@@ -40,7 +41,9 @@ class SocialPlanner:
     graph : SocialGraph, optional
         Routes learnt on this map: edges of it cost their length only (Eq. 4). May be replaced at any time.
     norm : Norm, optional
-        What to charge; by default what `config.side` says.
+        What to charge; by default what `config.norm` or `config.side` says.
+    zones : sequence of Zone
+        Parts of the map where the norm differs; the last of those that overlap holds.
 
     Attributes
     ----------
@@ -56,13 +59,16 @@ class SocialPlanner:
     """
 
     def __init__(self, grid: OccupancyGrid, config: PlannerConfig = PlannerConfig(), *,
-                 graph: Optional[SocialGraph] = None, norm: Optional[Norm] = None) -> None:
+                 graph: Optional[SocialGraph] = None, norm: Optional[Norm] = None,
+                 zones: Sequence[Zone] = ()) -> None:
         self.grid = grid
         self.config = config
         self.space = ConfigurationSpace(grid, config.robot_radius)
         self._way = ConfigurationSpace(grid, config.robot_radius + config.wall_margin)
         self.lattice = Lattice(self._way)
-        self._social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
+        self._social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch,
+                                  zoned=zoned_norms(grid, self.lattice.cells(np.arange(len(self.lattice))), config,
+                                                    zones))
         self._search = Search(self.lattice, self._social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
         self._lock = threading.Lock()

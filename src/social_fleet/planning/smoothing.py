@@ -18,8 +18,8 @@ SPACING = 1.0  # [m] between places where a chord may end
 VERTEX_COST = 0.1  # [m] that a vertex is worth, so that chords come out long
 TURN_COST = 1.5  # [m/rad] that a turn is worth at least
 STEADY_TURN_COST = 40.0  # [m/rad] that it is worth at most on a social path
-SHORT_WAY = 30.0  # [m] what a social path costs for which a turn is worth no more
-MOST_SLACK = 17.0  # [m] by which any chord may be dearer than what it replaces
+SHORT_WAY = 25.0  # [m] what a social path costs for which a turn is worth no more
+MOST_SLACK = 14.0  # [m] by which any chord may be dearer than what it replaces
 REACH = 20.0  # [m] of a single chord before the last pass
 PATIENCE = 4
 MENDING_PATIENCE = 20
@@ -76,8 +76,8 @@ def smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, ground: Grou
     for first, last in reversed(jogs(points[chosen], JOG / ground.resolution)):
         window = _around(chosen, first, last, int(JOG_MARGIN / ground.resolution))
         # So short a stretch is no lane: length alone counts.
-        mended = pull(ground, prices, points, nodes, paid, window, -1.0, VERTEX_COST, TURN_COST, REACH, MENDING_PATIENCE,
-                      narrow, NARROW_REACH)
+        mended = pull(ground, prices, points, nodes, paid, window, -1.0, VERTEX_COST, TURN_COST, REACH,
+                      MENDING_PATIENCE, narrow, NARROW_REACH)
         chosen = np.concatenate([chosen[:first], mended, chosen[last + 1:]])
     return rounded(ground, points[chosen], corner_radius, least)
 

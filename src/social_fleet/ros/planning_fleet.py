@@ -2,7 +2,7 @@
 
 import logging
 from dataclasses import dataclass, replace
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from social_fleet.planning.overlay import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph, learn
+from social_fleet.planning.zones import NO_ZONES, Zone, zones_of_map
 from social_fleet.ros.paths import resolve_path
 
 log = logging.getLogger(__name__)
@@ -64,6 +65,22 @@ def read_config(given: Mapping[str, Any], scenario: str, prefix: str) -> Tuple[P
         raise InvalidParameter(error.message, field=prefix + error.field) from error
 
 
+def read_zones(zones_file: str, scenario: str) -> List[Zone]:
+    """The zones that a node's parameters name: a file, ``none``, or by default those beside the scenario's map.
+
+    Raises
+    ------
+    InvalidInput
+        By the file and its field.
+    """
+    if zones_file:
+        return zones_of_map("", zones_file if zones_file == NO_ZONES else resolve_path(zones_file))
+    if scenario:
+        from social_fleet.scenario.files import load_scenario
+        return zones_of_map(load_scenario(resolve_path(scenario)).map_path)
+    return []
+
+
 class PlanningFleet:
     """Plans on one map for robots of any radius; counts the paths that the fleet plans.
 
@@ -75,13 +92,17 @@ class PlanningFleet:
         Of robots with `config.robot_radius`; for others all but the radius holds.
     graph_file
         A social graph to begin with; empty for none. One of another map is left aside with an error in the log.
+    zones
+        Parts of the map with norms of their own.
     """
 
-    def __init__(self, grid: OccupancyGrid, config: PlannerConfig, graph_file: str = "") -> None:
+    def __init__(self, grid: OccupancyGrid, config: PlannerConfig, graph_file: str = "", *,
+                 zones: Sequence[Zone] = ()) -> None:
         self.grid = grid
         self.graph: Optional[SocialGraph] = None
         self.counted = 0
         self._config = config
+        self._zones = zones
         self._heatmaps = Heatmaps(grid.shape)
         self._planners: Dict[float, SocialPlanner] = {}
         if graph_file:
@@ -137,7 +158,7 @@ class PlanningFleet:
     def planner(self, radius: float) -> SocialPlanner:
         if radius not in self._planners:
             config = replace(self._config, robot_radius=radius)
-            self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph)
+            self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph, zones=self._zones)
         return self._planners[radius]
 
     def _nearest_free(self, planner: SocialPlanner, goal: Pose, tolerance: float) -> Optional[Pose]:
