@@ -82,12 +82,36 @@ def test_the_exempt_pay_nothing():
     assert chain_cost(prices, lattice.node[0, 0], lattice.node[0, 7], np.inf) == (7.0, 4.0)
 
 
+def candidates(points, spacing, tolerance=0.75):
+    """Where chords may end on a path through a free world."""
+    space = ConfigurationSpace(grid_from_text("\n".join(["." * 70] * 12), 0.1), 0.1)
+    lattice = Lattice(space)
+    nodes = lattice.node[points[:, 1], points[:, 0]]
+    paid = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))]) * 0.1
+    return candidates_of(ground_of(space), prices_of(lattice), points + 0.5, nodes, paid, tolerance, spacing, -1.0)
+
+
 def test_candidates_are_the_turns():
-    columns = np.concatenate([np.arange(10), np.full(9, 9)])
-    rows = np.concatenate([np.zeros(10), np.arange(1, 10)])
-    points = np.column_stack([columns, rows]).astype(float)
-    assert candidates_of(points, 0.75, 100.0).tolist() == [0, 9, 18]
-    assert np.diff(candidates_of(points, 0.75, 3.0)).max() <= 3
+    points = np.array([(c, 2) for c in range(2, 12)] + [(11, r) for r in range(3, 10)])
+    assert candidates(points, 100.0).tolist() == [0, 9, 16]
+
+
+def test_candidates_are_dense_near_the_ends_of_a_straight_piece():
+    points = np.array([(c, 2) for c in range(2, 67)])
+    assert candidates(points, 4.0).tolist() == [0, 4, 8, 16, 32, 48, 56, 60, 64]
+
+
+def test_candidates_are_where_a_chord_would_not_fit():
+    text = "\n".join(["." * 10] * 4 + ["...####..."] * 2)
+    space = ConfigurationSpace(grid_from_text(text, 0.1), 0.05)
+    lattice = Lattice(space)
+    cells = [(1, 1), (1, 2), (2, 2), (2, 3), (2, 4), (2, 5), (2, 6), (2, 7), (1, 7), (1, 8)]
+    nodes = lattice.node[tuple(np.array(cells).T)]
+    points, paid = lattice.centres(nodes), np.arange(len(cells)) * 0.1
+    arguments = ground_of(space), prices_of(lattice), points, nodes, paid
+    loose = candidates_of(*arguments, 9.0, 100.0, -1.0)
+    assert 2 < len(loose) < len(cells)
+    assert all(is_free(arguments[0], *points[i], *points[j]) for i, j in zip(loose, loose[1:]))
 
 
 class Staircase:
@@ -105,7 +129,7 @@ class Staircase:
 
     def pulled(self, bound):
         arguments = ground_of(self.space), self.prices, self.points, self.nodes, self.paid
-        chosen = pull(*arguments, np.arange(len(self.points)), bound, 0.1, 1.0, 10.0, 10, arguments[0], 0.0)
+        chosen = pull(*arguments, np.arange(len(self.points)), bound, 0.1, 1.0, 10.0, 10, arguments[0].radius, 0.0)
         return drop_needless(*arguments, chosen, bound, 0.1, 1.0)
 
 

@@ -27,7 +27,7 @@ def turns(points):
 
 
 def test_a_corner_becomes_an_arc():
-    rounded = round_corners(OPEN, OPEN, RIGHT_ANGLE, 8.0, 1.0, 1.5)
+    rounded = round_corners(OPEN, OPEN.radius, RIGHT_ANGLE, 8.0, 1.0, 1.5)
     arc = rounded[1:-1]
     np.testing.assert_allclose(np.hypot(*(arc - [32.0, 18.0]).T), 8.0, atol=1e-9)
     np.testing.assert_allclose(arc[[0, -1]], [[32.0, 10.0], [40.0, 18.0]], atol=1e-9)
@@ -39,14 +39,14 @@ def test_a_corner_becomes_an_arc():
 
 def test_right_turns_mirror_left_turns():
     flip = np.array([1.0, -1.0])
-    left = round_corners(OPEN, OPEN, RIGHT_ANGLE, 8.0, 1.0, 1.5)
-    right = round_corners(OPEN, OPEN, RIGHT_ANGLE * flip + [0.0, 50.0], 8.0, 1.0, 1.5)
+    left = round_corners(OPEN, OPEN.radius, RIGHT_ANGLE, 8.0, 1.0, 1.5)
+    right = round_corners(OPEN, OPEN.radius, RIGHT_ANGLE * flip + [0.0, 50.0], 8.0, 1.0, 1.5)
     np.testing.assert_allclose(right, left * flip + [0.0, 50.0], atol=1e-9)
 
 
 def test_short_sides_share_what_there_is():
     zigzag = np.array([[10.0, 10.0], [20.0, 10.0], [20.0, 14.0], [30.0, 14.0]])
-    rounded = round_corners(OPEN, OPEN, zigzag, 8.0, 1.0, 1.5)
+    rounded = round_corners(OPEN, OPEN.radius, zigzag, 8.0, 1.0, 1.5)
     assert np.abs(turns(rounded)).max() < math.radians(8.0)
     assert np.hypot(*np.diff(rounded, axis=0).T).min() > 0.0
 
@@ -62,7 +62,7 @@ def test_an_arc_is_as_large_as_the_room_and_a_corner_without_room_stays_sharp():
         path[1, 0] = path[2, 0] = max(corner[0], 14.52)
         if sharp:
             path[1] = [14.52, 22.52]
-        rounded = round_corners(ground, ground, path, 8.0, 1.0 if not sharp else 4.0, 1.5)
+        rounded = round_corners(ground, ground.radius, path, 8.0, 1.0 if not sharp else 4.0, 1.5)
         assert space.is_free_path(rounded * 0.1)
         assert (len(rounded) == 3) == sharp
 

@@ -2,9 +2,13 @@
 
 import numpy as np
 import pytest
+from own_norms import KeepOff
+from worlds import grid_from_text
 
+from social_fleet.errors import InvalidParameter
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.norms import KeepSide, NoNorm, norm_of
+from social_fleet.planning.planner import SocialPlanner
 
 EAST, NORTH, WEST, SOUTH = 0, 2, 4, 6
 CONFIG = PlannerConfig(robot_radius=0.25, standoff=0.35, open_area=7.0, lane_pull=2.0, buffer_distance=4.0)
@@ -79,3 +83,26 @@ def test_none_charges_nothing():
 
 def test_it_sees_as_far_as_it_judges():
     assert KeepSide(CONFIG).reach > CONFIG.open_area
+
+
+def test_a_norm_of_ones_own_is_found_by_name():
+    norm = norm_of(PlannerConfig(norm="own_norms.KeepOff", w_right=3.0))
+    assert isinstance(norm, KeepOff) and norm.weight == 3.0
+
+
+@pytest.mark.parametrize("name, complaint", [
+    ("KeepOff", "package.module.Class"), ("", "package.module.Class"), ("own norms.KeepOff", "package.module.Class"),
+    ("no_such_module.KeepOff", "cannot be imported"), ("own_norms.Missing", "has no class Missing"),
+    ("own_norms.PlannerConfig", "must derive from"), ("own_norms.NoNormAtAll", "must derive from"),
+    ("own_norms.Unfinished", "must define heading_cost and reach"), ("own_norms.Picky", "the moon is not full"),
+])
+def test_a_name_that_is_no_norm_is_refused(name, complaint):
+    with pytest.raises(InvalidParameter, match=complaint) as error:
+        norm_of(PlannerConfig(norm=name))
+    assert error.value.field == "norm"
+
+
+def test_a_norm_of_ones_own_plans():
+    grid = grid_from_text("\n".join(["#" * 60] + ["." * 60] * 15 + ["#" * 60]), 0.2)
+    path = SocialPlanner(grid, PlannerConfig(norm="own_norms.KeepOff")).plan((1.0, 0.7), (11.0, 0.7)).path
+    assert path.position(0.5 * path.length)[1] > 1.1

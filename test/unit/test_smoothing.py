@@ -87,8 +87,8 @@ def test_turns_have_no_sign_and_no_seam():
 
 def test_jogs_are_turns_in_place_beside_a_short_side():
     path = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [20.0, 1.0], [30.0, 11.0], [30.0, 31.0], [30.5, 31.0]])
-    assert jogs(path, 4.0) == [(0, 3), (4, 6)]
-    assert jogs(path, 0.1) == []
+    assert jogs(path, 4.0).tolist() == [[0, 3], [4, 6]]
+    assert not len(jogs(path, 0.1))
 
 
 def test_a_jog_may_use_up_the_margin():

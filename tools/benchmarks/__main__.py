@@ -3,7 +3,8 @@
 import importlib
 import sys
 
-SUBJECTS = ("planning", "global_planner", "learning", "coordination", "fleets", "simulation", "nodes")
+SUBJECTS = ("planning", "global_planner", "learning", "steadiness", "head_on",
+            "coordination", "fleets", "simulation", "nodes")
 
 
 def main() -> int:

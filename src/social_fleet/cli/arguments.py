@@ -25,6 +25,13 @@ def add_pose(parser: argparse.ArgumentParser, flag: str, help: str) -> None:
     parser.add_argument(flag, nargs="+", type=number, action=PoseAction, metavar=("X", "Y [YAW]"), help=help)
 
 
+def add_zones(parser: argparse.ArgumentParser) -> None:
+    """Let `parser` take a file of zones."""
+    parser.add_argument("--zones", metavar="Z.yaml",
+                        help="parts of the map with norms of their own, none for none; default: M.zones.yaml beside "
+                             "the map, where there is one")
+
+
 def number(text: str) -> float:
     """A float; NaN passes, for those who judge poses to refuse."""
     try:

@@ -8,7 +8,7 @@ import argparse
 import logging
 from typing import Any, Optional
 
-from social_fleet.cli.arguments import check_outputs, count, seed
+from social_fleet.cli.arguments import add_zones, check_outputs, count, seed
 from social_fleet.cli.output import show, written
 from social_fleet.cli.progress import progress
 from social_fleet.errors import InvalidGraph, InvalidInput
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="count in what these graphs were learnt from, in any order")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="of the random poses; default: 0")
     parser.add_argument("--config", metavar="C.yaml", help="parameters of the planner, such as robot_radius and side")
+    add_zones(parser)
     parser.add_argument("--out", required=True, metavar="G", help="the graph file, for plan --graph")
     parser.add_argument("--graphml", metavar="FILE", help="write the graph as GraphML, too, for other programs")
 
@@ -40,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from social_fleet.cli.plan import make_planner
     from social_fleet.planning.graph_changes import merged
 
-    planner = make_planner(args.map, args.config)
+    planner = make_planner(args.map, args.config, zones=args.zones)
     graphs = [_load(path, planner) for path in args.merge]
     own = _learnt(args, planner)
     graph = merged(graphs + ([own] if own else []), planner.config.heatmap_threshold, planner.config.min_component)

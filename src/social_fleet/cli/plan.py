@@ -5,7 +5,7 @@ import math
 import os
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from social_fleet.cli.arguments import add_pose, check_outputs
+from social_fleet.cli.arguments import add_pose, add_zones, check_outputs
 from social_fleet.cli.output import show, written
 from social_fleet.cli.progress import progress
 from social_fleet.errors import InvalidGoal, InvalidInput, InvalidParameter, InvalidPose, InvalidStart, NoPath
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="go round obstacles that the map does not hold: a list of {shape: circle, center: [x, y], "
                              "radius}, {shape: rectangle, center, size: [x, y], yaw}, {shape: polygon, points}")
     parser.add_argument("--config", metavar="C.yaml", help="parameters of the planner, such as robot_radius and side")
+    add_zones(parser)
     parser.add_argument("--out", metavar="plan.json", help="write the path, with --batch a list of paths")
     parser.add_argument("--plot", metavar="plan.png", help="draw the path on the map")
 
@@ -36,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     """Plan, write, draw and sum up; 1 when a path is missing."""
     pairs = _pairs(args)
     check_outputs(args.out, args.plot)
-    planner = make_planner(args.map, args.config, args.graph)
+    planner = make_planner(args.map, args.config, args.graph, zones=args.zones)
     from social_fleet.planning.planner import PREPARED_FROM
 
     overlays = _overlays(args, planner.grid)
@@ -65,13 +66,16 @@ def run(args: argparse.Namespace) -> int:
     return 0 if all(plan is not None for plan in plans) else 1
 
 
-def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional[str] = None) -> Any:
+def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional[str] = None, *,
+                 zones: Optional[str] = None) -> Any:
     """A planner from files; raises InvalidMap, InvalidParameter or InvalidGraph, naming the file."""
     from social_fleet.files import read_yaml
     from social_fleet.mapping.files import load_map
     from social_fleet.planning.config import PlannerConfig
     from social_fleet.planning.planner import SocialPlanner
+    from social_fleet.planning.norms import norm_of
     from social_fleet.planning.social_graph import SocialGraph
+    from social_fleet.planning.zones import zones_of_map
 
     overrides = read_yaml(config_path, InvalidParameter) if config_path else {}
     if not isinstance(overrides or {}, dict):
@@ -79,7 +83,11 @@ def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional
     config = PlannerConfig.from_mapping(overrides or {}, source=config_path or "")
     grid = load_map(map_path)
     graph = SocialGraph.load(graph_path, grid=grid) if graph_path else None
-    return SocialPlanner(grid, config, graph=graph)
+    try:
+        norm = norm_of(config)
+    except InvalidParameter as error:
+        raise InvalidParameter(error.message, source=str(config_path), field=error.field) from error
+    return SocialPlanner(grid, config, graph=graph, norm=norm, zones=zones_of_map(map_path, zones))
 
 
 def _pairs(args: argparse.Namespace) -> List[Tuple[str, Tuple[float, ...], Tuple[float, ...]]]:

@@ -26,6 +26,7 @@ from social_fleet.errors import InvalidInput, InvalidMap
 from social_fleet.files import PathLike, read_yaml
 from social_fleet.mapping.files import save_map
 from social_fleet.mapping.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from social_fleet.mapping.polygons import inside_polygon
 from social_fleet.mapping.slam_marks import bent, leave_marks
 
 FILLS = {"wall": OCCUPIED, "free": FREE, "unknown": UNKNOWN}
@@ -116,7 +117,7 @@ def _inside(places: np.ndarray, shape: Mapping[str, Any], name: str) -> np.ndarr
     x, y = places
     if "polygon" in shape:
         _check_keys(shape, ("fill", "polygon"), name)
-        return _inside_polygon(x, y, _corners(shape["polygon"], f"{name}.polygon"))
+        return inside_polygon(_corners(shape["polygon"], f"{name}.polygon"), x, y)
     if "radius" in shape:
         _check_keys(shape, ("fill", "centre", "radius"), name)
         centre = _numbers(shape["centre"], 2, f"{name}.centre")
@@ -133,16 +134,6 @@ def _corners(value: Any, field: str) -> List[List[float]]:
 
 def _within(values: np.ndarray, limits: Sequence[float]) -> np.ndarray:
     return (values >= limits[0] - _ROUNDING) & (values < limits[1] - _ROUNDING)
-
-
-def _inside_polygon(x: np.ndarray, y: np.ndarray, corners: Sequence[Sequence[float]]) -> np.ndarray:
-    """Even-odd rule: how many edges a ray along +x crosses."""
-    inside = np.zeros(x.shape, dtype=bool)
-    for (x_a, y_a), (x_b, y_b) in zip(corners, list(corners[1:]) + [corners[0]]):
-        if y_a != y_b:
-            crossing = x_a + (y - y_a) * ((x_b - x_a) / (y_b - y_a))
-            inside ^= ((y_a <= y) != (y_b <= y)) & (x < crossing)
-    return inside
 
 
 def _turned_back(places: np.ndarray, group: Mapping[str, Any], name: str) -> np.ndarray:

@@ -9,26 +9,26 @@ from typing import Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.chords import Ground, is_free
+from social_fleet.planning.chords import Ground, is_free, is_free_for
 
 MAX_TURN = math.radians(7.5)  # heading change from vertex to vertex on an arc
 SMALL_TURN = math.radians(4.0)  # such a corner needs no rounding
 SHRINK = 0.75
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
     """Signed heading change at b [rad]."""
     ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
     return math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _gap(a: np.ndarray, b: np.ndarray) -> float:
     return math.hypot(b[0] - a[0], b[1] - a[1])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def merge_bends(ground: Ground, vertices: np.ndarray, longest: float) -> np.ndarray:
     """Every side shorter than `longest` between two turns of one sense gives way to where its neighbours meet."""
     points = vertices.copy()
@@ -53,7 +53,7 @@ def merge_bends(ground: Ground, vertices: np.ndarray, longest: float) -> np.ndar
     return points[:count].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _arc(a: np.ndarray, b: np.ndarray, c: np.ndarray, tangent: float, longest: float) -> np.ndarray:
     """Points of the arc that rounds corner b, touching its sides `tangent` from b."""
     turn = _turn(a, b, c)
@@ -73,15 +73,15 @@ def _arc(a: np.ndarray, b: np.ndarray, c: np.ndarray, tangent: float, longest: f
     return arc
 
 
-@njit(cache=True)
-def _fits(ground: Ground, arc: np.ndarray) -> bool:
+@njit(cache=True, nogil=True)
+def _fits(ground: Ground, radius: float, arc: np.ndarray) -> bool:
     for i in range(len(arc) - 1):
-        if not is_free(ground, arc[i, 0], arc[i, 1], arc[i + 1, 0], arc[i + 1, 1]):
+        if not is_free_for(ground, radius, arc[i, 0], arc[i, 1], arc[i + 1, 0], arc[i + 1, 1]):
             return False
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _tangents(points: np.ndarray, radius: float) -> Tuple[np.ndarray, np.ndarray]:
     """Turn and tangent length wanted at every vertex, sides shared in proportion where they are too short."""
     count = len(points)
@@ -100,13 +100,14 @@ def _tangents(points: np.ndarray, radius: float) -> Tuple[np.ndarray, np.ndarray
     return turns, tangents * shares
 
 
-@njit(cache=True)
-def round_corners(ground: Ground, narrow: Ground, points: np.ndarray, radius: float, smallest: float,
+@njit(cache=True, nogil=True)
+def round_corners(ground: Ground, narrow: float, points: np.ndarray, radius: float, smallest: float,
                   longest: float) -> np.ndarray:
     """The path with its corners replaced by arcs of up to `radius`, sampled at most `longest` apart.
 
-    A corner stays sharp where an arc of `smallest` has no room, neither on `ground` nor on `narrow`.
+    A corner stays sharp where an arc of `smallest` has no room, not even for a disc of the radius `narrow`.
     """
+    _, _, _, wide, _ = ground
     count = len(points)
     turns, tangents = _tangents(points, radius)
     pieces = 2
@@ -118,11 +119,11 @@ def round_corners(ground: Ground, narrow: Ground, points: np.ndarray, radius: fl
     for v in range(1, count - 1):
         half = math.tan(0.5 * min(abs(turns[v]), 3.0))
         placed = False
-        for where in (ground, narrow):
+        for fitting in (wide, narrow):
             tangent = tangents[v]
             while not placed and tangent > 0.0 and tangent >= smallest * half:
                 arc = _arc(points[v - 1], points[v], points[v + 1], tangent, longest)
-                if _fits(where, arc):
+                if _fits(ground, fitting, arc):
                     rounded[top:top + len(arc)] = arc
                     top += len(arc)
                     placed = True

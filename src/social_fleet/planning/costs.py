@@ -1,6 +1,7 @@
 """Social cost of every edge, computed once per map, norm and radius."""
 
 import math
+from typing import Sequence, Tuple
 
 import numpy as np
 from numba import njit
@@ -58,7 +59,8 @@ def _least_along(field: np.ndarray, blocked: np.ndarray, drow: int, dcol: int, r
     return least
 
 
-def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: float = 0.0) -> np.ndarray:
+def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: float = 0.0,
+               zoned: Sequence[Tuple[np.ndarray, Norm]] = ()) -> np.ndarray:
     """The social cost phi of Eq. 3 for all edges.
 
     Parameters
@@ -71,6 +73,9 @@ def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: fl
         What to charge.
     stretch : float
         Length of wall [m] that counts as one, see `walls_beside`.
+    zoned : sequence of (nodes, norm)
+        Nodes where another norm holds, see `zones.zoned_norms`. The rate of an edge between two norms is the mean of
+        theirs.
 
     Returns
     -------
@@ -83,18 +88,35 @@ def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: fl
     InvalidParameter
         When the norm yields a rate that is negative or not finite.
     """
-    walls = walls_beside(blocked, lattice.resolution, limit=norm.reach, stretch=stretch)
+    reach = max(each.reach for each in (norm, *(other for _, other in zoned)))
+    walls = walls_beside(blocked, lattice.resolution, limit=reach, stretch=stretch)
     walls = walls[:, lattice.row, lattice.col]
-    costs = [norm.heading_cost(walls, heading) for heading in range(8)]
-    rates = np.stack([np.asarray(cost.rate, dtype=np.float32) for cost in costs])
-    if not np.isfinite(rates).all() or (rates < 0.0).any():
-        raise InvalidParameter(f"{type(norm).__name__} yields a rate that is negative or not finite", field="norm")
+    fields = _fields(norm, walls)
+    for nodes, other in zoned:
+        fields[:, :, nodes] = _fields(other, walls[:, nodes])
+    rates, followed, weights = fields
     _forbid_tacking(rates)
     social = np.empty((len(lattice), 8), dtype=np.float32)
-    for heading, cost in enumerate(costs):
-        _integrate(lattice.links, heading, rates[heading], np.asarray(cost.followed, dtype=np.float32),
-                   np.asarray(cost.change_weight, dtype=np.float32), social)
+    for heading in range(8):
+        _integrate(lattice.links, heading, rates[heading], followed[heading], weights[heading], social)
     return social
+
+
+def _fields(norm: Norm, walls: np.ndarray) -> np.ndarray:
+    """Rate, followed distance and weight of its drift for all headings at all nodes, shape (3, 8, N)."""
+    fields = np.empty((3, *walls.shape), dtype=np.float32)
+    name = type(norm).__name__
+    for heading in range(8):
+        cost = norm.heading_cost(walls, heading)
+        for index, values in enumerate((cost.rate, cost.followed, cost.change_weight)):
+            if np.shape(values) != walls.shape[1:]:
+                raise InvalidParameter(f"{name} yields arrays of shape {np.shape(values)} for {walls.shape[1]} cells",
+                                       field="norm")
+            fields[index, heading] = values
+    for values, what in ((fields[0], "rate"), (fields[2], "weight of drift")):
+        if not np.isfinite(values).all() or (values < 0.0).any():
+            raise InvalidParameter(f"{name} yields a {what} that is negative or not finite", field="norm")
+    return fields
 
 
 @njit(cache=True)

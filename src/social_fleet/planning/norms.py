@@ -6,10 +6,12 @@ A norm is a small class. The search knows nothing of it: `edge_costs` turns what
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Callable, Dict
+from importlib import import_module
+from typing import Any, Callable, Dict, Type
 
 import numpy as np
 
+from social_fleet.errors import InvalidParameter
 from social_fleet.planning.config import PlannerConfig
 
 PASSING_GAP = 0.25  # [m] between two robots that pass each other, tracking errors included
@@ -36,7 +38,10 @@ class HeadingCost:
 
 
 class Norm(ABC):
-    """A social convention of a place; derive from it to add one."""
+    """A social convention of a place; derive from it to add one.
+
+    A class that the configuration names is made with the `PlannerConfig` as its only argument.
+    """
 
     @abstractmethod
     def heading_cost(self, walls: np.ndarray, heading: int) -> HeadingCost:
@@ -133,14 +138,50 @@ class KeepSide(Norm):
         return share * share * (3.0 - 2.0 * share)
 
 
-# The norm that each value of `PlannerConfig.side` asks for.
-NORMS: Dict[str, Callable[[PlannerConfig], Norm]] = {
+SIDES: Dict[str, Callable[[PlannerConfig], Norm]] = {
     "right": KeepSide,
     "left": KeepSide,
     "none": lambda config: NoNorm(),
 }
+"""The norm that each value of `PlannerConfig.side` asks for."""
 
 
 def norm_of(config: PlannerConfig) -> Norm:
-    """The norm that a configuration asks for."""
-    return NORMS[config.side](config)
+    """The norm that a configuration asks for: the class that `norm` names, else by `side`.
+
+    Raises
+    ------
+    InvalidParameter
+        When there is no such class, it is no `Norm`, or it cannot be made from the configuration; the field is
+        ``norm``.
+    """
+    if config.norm is None:
+        return SIDES[config.side](config)
+    kind = _imported(config.norm)
+    try:
+        norm = kind(config)
+    except Exception as error:
+        raise InvalidParameter(f"{config.norm} cannot be made from the configuration: {type(error).__name__}: {error}",
+                               field="norm") from error
+    return norm
+
+
+def _imported(path: str) -> Type[Any]:
+    """The subclass of `Norm` with the dotted path ``package.module.Class``."""
+    module_name, _, name = path.rpartition(".")
+    if not all(part.isidentifier() for part in path.split(".")) or not module_name:
+        raise InvalidParameter(f"must name a class as package.module.Class, not {path!r}", field="norm")
+    try:
+        module = import_module(module_name)
+    except Exception as error:
+        raise InvalidParameter(f"the module {module_name} cannot be imported: {error}; it must lie on PYTHONPATH",
+                               field="norm") from error
+    kind = getattr(module, name, None)
+    if not isinstance(kind, type):
+        raise InvalidParameter(f"the module {module_name} has no class {name}", field="norm")
+    if not issubclass(kind, Norm):
+        raise InvalidParameter(f"{path} must derive from {Norm.__module__}.Norm", field="norm")
+    missing = sorted(getattr(kind, "__abstractmethods__", ()))
+    if missing:
+        raise InvalidParameter(f"{path} must define {' and '.join(missing)}", field="norm")
+    return kind

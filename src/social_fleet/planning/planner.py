@@ -26,6 +26,7 @@ from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_r
 from social_fleet.planning.search import Search, SearchResult
 from social_fleet.planning.smoothing import rounded, smooth
 from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.zones import Zone
 
 PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000
@@ -54,7 +55,9 @@ class SocialPlanner:
     graph : SocialGraph, optional
         Routes learnt on this map: edges of it cost their length only (Eq. 4). May be replaced at any time.
     norm : Norm, optional
-        What to charge; by default what `config.side` says.
+        What to charge; by default what `config.norm` or `config.side` says.
+    zones : sequence of Zone
+        Parts of the map where the norm differs; the last of those that overlap holds.
 
     Attributes
     ----------
@@ -70,13 +73,14 @@ class SocialPlanner:
     """
 
     def __init__(self, grid: OccupancyGrid, config: PlannerConfig = PlannerConfig(), *,
-                 graph: Optional[SocialGraph] = None, norm: Optional[Norm] = None) -> None:
+                 graph: Optional[SocialGraph] = None, norm: Optional[Norm] = None,
+                 zones: Sequence[Zone] = ()) -> None:
         self.grid = grid
         self.config = config
         self.space = ConfigurationSpace(grid, config.robot_radius)
         self._way = ConfigurationSpace(grid, config.robot_radius + config.wall_margin)
         self.lattice = Lattice(self._way)
-        social = social_costs(self.lattice, grid, config, norm)
+        social = social_costs(self.lattice, grid, config, norm, zones)
         self._search = Search(self.lattice, social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
         self._overlaid = OverlaidMaps(self.space, self._way, self.lattice)

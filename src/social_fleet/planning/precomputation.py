@@ -3,24 +3,26 @@
 import dataclasses
 import functools
 import inspect
-from typing import Any, Optional
+from typing import Any, Optional, Sequence
 
 import numpy as np
 
 from social_fleet.mapping import clearance, distances, walls
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning import costs, lattice as lattices, norms
+from social_fleet.planning import costs, lattice as lattices, norms, zones as zone_files
 from social_fleet.planning.cache import cached, digest_of
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.costs import edge_costs
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.norms import Norm, norm_of
+from social_fleet.planning.zones import Zone, zoned_norms
 
 # What costs are computed with: when one of these files changes, what is cached does not hold any more.
-_SOURCES = (clearance, distances, walls, costs, lattices, norms)
+_SOURCES = (clearance, distances, walls, costs, lattices, norms, zone_files)
 
 
-def social_costs(lattice: Lattice, grid: OccupancyGrid, config: PlannerConfig, norm: Optional[Norm]) -> np.ndarray:
+def social_costs(lattice: Lattice, grid: OccupancyGrid, config: PlannerConfig, norm: Optional[Norm],
+                 zones: Sequence[Zone] = ()) -> np.ndarray:
     """The social cost of every edge, (N, 8) float32 [m]: see `edge_costs`.
 
     Parameters
@@ -34,16 +36,20 @@ def social_costs(lattice: Lattice, grid: OccupancyGrid, config: PlannerConfig, n
     norm : Norm, optional
         What to charge; by default what the configuration says. What another one depends on cannot be told, so it is
         asked anew every time.
+    zones : sequence of Zone
+        Where other norms hold.
     """
     chosen = norm or norm_of(config)
+    zoned = zoned_norms(grid, lattice.cells(np.arange(len(lattice))), config, zones)
 
     def compute() -> np.ndarray:
-        return edge_costs(lattice, grid.blocked, chosen, stretch=config.wall_stretch)
+        return edge_costs(lattice, grid.blocked, chosen, stretch=config.wall_stretch, zoned=zoned)
 
-    source = _source(type(chosen))
-    if norm is not None or source is None:
+    sources = [_source(type(each)) for each in (chosen, *(other for _, other in zoned))]
+    if norm is not None or None in sources:
         return compute()
-    digest = digest_of(grid.digest, dataclasses.asdict(config), source, _sources_digest())
+    parts = [[zone.name, zone.polygon, dict(zone.overrides)] for zone in zones]
+    digest = digest_of(grid.digest, dataclasses.asdict(config), parts, sources, _sources_digest())
     return cached("costs", digest, lambda: {"social": compute()})["social"]
 
 

@@ -3,7 +3,7 @@
 import logging
 import threading
 from dataclasses import dataclass, replace
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph, learn
+from social_fleet.planning.zones import NO_ZONES, Zone, zones_of_map
 from social_fleet.ros.paths import resolve_path
 
 log = logging.getLogger(__name__)
@@ -68,6 +69,22 @@ def read_config(given: Mapping[str, Any], scenario: str, prefix: str) -> Tuple[P
         raise InvalidParameter(error.message, field=prefix + error.field) from error
 
 
+def read_zones(zones_file: str, scenario: str) -> List[Zone]:
+    """The zones that a node's parameters name: a file, ``none``, or by default those beside the scenario's map.
+
+    Raises
+    ------
+    InvalidInput
+        By the file and its field.
+    """
+    if zones_file:
+        return zones_of_map("", zones_file if zones_file == NO_ZONES else resolve_path(zones_file))
+    if scenario:
+        from social_fleet.scenario.files import load_scenario
+        return zones_of_map(load_scenario(resolve_path(scenario)).map_path)
+    return []
+
+
 class PlanningFleet:
     """Plans on one map for robots of any radius; learns from the paths that the fleet plans.
 
@@ -85,13 +102,16 @@ class PlanningFleet:
     previous
         What planned on the map before: its graph goes before the file, and its obstacles stay, as far as they still
         hold.
+    zones
+        Parts of the map with norms of their own.
     """
 
     def __init__(self, grid: OccupancyGrid, config: PlannerConfig, graph_file: str = "",
-                 previous: "Optional[PlanningFleet]" = None) -> None:
+                 previous: "Optional[PlanningFleet]" = None, *, zones: Sequence[Zone] = ()) -> None:
         self.grid = grid
         self.overlays = OverlaySet(grid)
         self._config = config
+        self._zones = zones
         graph = None
         if previous is not None:
             self.overlays, lost = previous.overlays.moved_to(grid)
@@ -101,7 +121,7 @@ class PlanningFleet:
             graph = self._brought_over(previous.graph, "the social graph of the map before")
         elif graph_file:
             graph = self._load(graph_file)
-        planner = SocialPlanner(grid, config, graph=graph)
+        planner = SocialPlanner(grid, config, graph=graph, zones=zones)
         self._routes = FleetRoutes(planner, self.overlays, graph=graph)
         self._learnt_from = 0
         self._lock = threading.Lock()  # of the planners by radius
@@ -163,7 +183,7 @@ class PlanningFleet:
         with self._lock:
             if radius not in self._planners:
                 config = replace(self._config, robot_radius=radius)
-                self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph)
+                self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph, zones=self._zones)
             return self._planners[radius]
 
     def _use(self, paths: int) -> None:

@@ -20,7 +20,7 @@ from social_fleet.ros import conversions, parameters
 from social_fleet.ros.background import BackgroundWork
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.markers import graph_marker
-from social_fleet.ros.planning_fleet import PlanningFleet, RobotEntry, read_config
+from social_fleet.ros.planning_fleet import PlanningFleet, RobotEntry, read_config, read_zones
 from social_fleet.ros.statuses import OVERLAY_STATUSES, PLAN_STATUSES, status_of
 from social_fleet.srv import (AddOverlay, AddOverlayRequest, AddOverlayResponse, ClearOverlay, ClearOverlayRequest,
                               ClearOverlayResponse, PlanPath, PlanPathRequest, PlanPathResponse)
@@ -38,6 +38,7 @@ class SocialPlannerParameters:
     graph_file: str = ""  # a social graph to begin with; empty: none
     learn_at_start: int = parameter(0, minimum=0)  # paths between random poses to learn a social graph from
     learn_every: int = parameter(0, minimum=0)  # extract the social graph anew after so many paths; 0: never
+    zones_file: str = ""  # parts of the map with norms of their own; empty: beside the scenario's map; none: none
     scenario: str = ""  # a scenario file whose `planner` and robots go before the parameters
 
 
@@ -62,6 +63,7 @@ class SocialPlannerNode:
     def __init__(self) -> None:
         self._config, others = parameters.split_private(SocialPlannerParameters)
         self._planner_config, self._robots = read_config(others, self._config.scenario, parameters.private_prefix())
+        self._zones = read_zones(self._config.zones_file, self._config.scenario)
         self._any_robot = RobotEntry(self._planner_config.robot_radius, self._config.max_speed)
         self._lock = threading.Lock()
         self._fleet: Optional[PlanningFleet] = None
@@ -92,7 +94,8 @@ class SocialPlannerNode:
                 if self._fleet is not None and self._fleet.grid.digest == grid.digest:
                     return
                 previous, self._fleet, self._frame, self._frames = self._fleet, None, "", None
-                fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file, previous)
+                fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file, previous,
+                                      zones=self._zones)
                 if self._config.learn_at_start and fleet.graph is None:
                     fleet.learn_at_random(self._config.learn_at_start)
                 self._fleet = fleet

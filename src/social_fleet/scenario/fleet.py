@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import replace
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.repair import PlannerReplanner
@@ -14,6 +14,7 @@ from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.zones import Zone, zones_of_map
 from social_fleet.scenario.scenario import RobotSpec, Scenario
 from social_fleet.scenario.locations import PACKAGE
 
@@ -33,21 +34,24 @@ class FleetPlanner:
         A social graph that all robots favour.
     planner
         ``social``, ``shortest`` or ``rrt_star``.
+    zones
+        Parts of the map with norms of their own.
     """
 
     def __init__(self, grid: OccupancyGrid, overrides: Optional[Mapping[str, Any]] = None, *,
-                 graph: Optional[SocialGraph] = None, planner: str = "social") -> None:
+                 graph: Optional[SocialGraph] = None, planner: str = "social", zones: Sequence[Zone] = ()) -> None:
         self.grid = grid
         self._overrides = dict(overrides or {})
         self._graph = graph
         self._planner = planner
+        self._zones = zones
         self._by_radius: Dict[float, SocialPlanner] = {}
 
     def for_radius(self, radius: float) -> SocialPlanner:
         """The planner of robots with `radius` [m]."""
         if radius not in self._by_radius:
             config = PlannerConfig.from_mapping({**self._overrides, "robot_radius": radius})
-            self._by_radius[radius] = SocialPlanner(self.grid, config, graph=self._graph)
+            self._by_radius[radius] = SocialPlanner(self.grid, config, graph=self._graph, zones=self._zones)
         return self._by_radius[radius]
 
     def plan(self, spec: RobotSpec) -> Robot:
@@ -75,7 +79,7 @@ def plan_fleet(scenario: Scenario, grid: OccupancyGrid, *, planners: Optional[Fl
     NoPath
         Naming the robot.
     """
-    planners = planners or FleetPlanner(grid, scenario.planner)
+    planners = planners or FleetPlanner(grid, scenario.planner, zones=zones_of_map(scenario.map_path))
     robots = []
     for index, spec in enumerate(scenario.robots):
         try:
@@ -105,7 +109,7 @@ def coordinate_scenario(scenario: Scenario, grid: Optional[OccupancyGrid] = None
     """
     begun = time.perf_counter()
     grid = load_map(scenario.map_path) if grid is None else grid
-    planners = planners or FleetPlanner(grid, scenario.planner)
+    planners = planners or FleetPlanner(grid, scenario.planner, zones=zones_of_map(scenario.map_path))
     robots = plan_fleet(scenario, grid, planners=planners, progress=progress)
     planning_time = time.perf_counter() - begun
     options = scenario.coordination
