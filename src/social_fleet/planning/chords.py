@@ -38,6 +38,17 @@ def is_free(ground: Ground, x0: float, y0: float, x1: float, y1: float) -> bool:
     return is_free_for(ground, radius, x0, y0, x1, y1)
 
 
+def fits_along(ground: Ground, x0: float, y0: float, x1: float, y1: float) -> bool:
+    """`is_free` for those who are no kernels: Numba is slow to recognise tuples of arrays."""
+    return bool(_fits_along(x0, y0, x1, y1, *ground))
+
+
+@njit(cache=True, nogil=True)
+def _fits_along(x0: float, y0: float, x1: float, y1: float, blocked: np.ndarray, clearance: np.ndarray,
+                resolution: float, radius: float, discs: np.ndarray) -> bool:
+    return is_free_for((blocked, clearance, resolution, radius, discs), radius, x0, y0, x1, y1)
+
+
 @njit(cache=True, nogil=True)
 def is_free_for(ground: Ground, radius: float, x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether a disc of `radius` [cells] fits all along the segment."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from social_fleet.errors import InvalidGoal, InvalidStart
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground, is_free
+from social_fleet.planning.chords import Ground, fits_along
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.overlay import Disc
 from social_fleet.planning.overlays.overlaid import Overlaid, check_clear
@@ -89,10 +89,10 @@ def reachable(lattice: Lattice, ground: Ground, point: np.ndarray, closed: np.nd
     node = lattice.node
     row, col = int(math.floor(point[1] + 1e-9)), int(math.floor(point[0] + 1e-9))
     own = int(node[row, col])
-    if own >= 0 and own not in closed and is_free(ground, point[0], point[1], col + 0.5, row + 0.5):
+    if own >= 0 and own not in closed and fits_along(ground, point[0], point[1], col + 0.5, row + 0.5):
         return [own]
     window = node[max(row - REACH, 0):row + REACH + 1, max(col - REACH, 0):col + REACH + 1]
     near = window[(window >= 0) & ~np.isin(window, closed)]
     x, y = lattice.col[near] + 0.5, lattice.row[near] + 0.5
     order = np.argsort(np.hypot(x - point[0], y - point[1]), kind="stable")
-    return [int(near[i]) for i in order if is_free(ground, point[0], point[1], x[i], y[i])]
+    return [int(near[i]) for i in order if fits_along(ground, point[0], point[1], x[i], y[i])]

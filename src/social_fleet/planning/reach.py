@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from social_fleet.errors import InvalidParameter
-from social_fleet.planning.chords import Ground, is_free
+from social_fleet.planning.chords import Ground, fits_along
 from social_fleet.planning.ends import reachable
 from social_fleet.planning.lattice import Lattice, Links, neighbour
 
@@ -91,12 +91,12 @@ def _towards(ground: Ground, place: np.ndarray, goal: np.ndarray) -> np.ndarray:
     if gap <= 0.0:
         return place
     ahead = (goal - place) * min(1.0, _STEP_ASIDE / gap)
-    if is_free(ground, place[0], place[1], place[0] + ahead[0], place[1] + ahead[1]):
+    if fits_along(ground, place[0], place[1], place[0] + ahead[0], place[1] + ahead[1]):
         return place + ahead
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if is_free(ground, place[0], place[1], place[0] + middle * ahead[0], place[1] + middle * ahead[1]):
+        if fits_along(ground, place[0], place[1], place[0] + middle * ahead[0], place[1] + middle * ahead[1]):
             low = middle
         else:
             high = middle
