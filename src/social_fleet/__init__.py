@@ -13,12 +13,15 @@ if TYPE_CHECKING:
     from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
     from social_fleet.coordination.verification import ClearanceReport, verify
     from social_fleet.errors import (Infeasible, InvalidGoal, InvalidGraph, InvalidInput, InvalidMap,
-                                     InvalidParameter, InvalidPose, InvalidScenario, InvalidSchedule, InvalidStart,
-                                     NoPath, NotReady, SocialFleetError, SolverFailed, TimedOut)
+                                     InvalidOverlay, InvalidParameter, InvalidPose, InvalidScenario,
+                                     InvalidSchedule, InvalidStart, NoPath, NotReady, SocialFleetError,
+                                     SolverFailed, TimedOut)
     from social_fleet.geometry import Polyline, Pose
     from social_fleet.mapping.files import load_map, save_map
     from social_fleet.mapping.grid import OccupancyGrid
     from social_fleet.planning.config import PlannerConfig
+    from social_fleet.planning.overlays.overlay_set import OverlaySet
+    from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Polygon, Rectangle
     from social_fleet.planning.plan import Plan
     from social_fleet.planning.planner import SocialPlanner
     from social_fleet.planning.social_graph import SocialGraph
@@ -33,13 +36,15 @@ _HOMES = {
     "coordination.robot": ("MotionLimits", "Robot"),
     "coordination.schedule": ("EncounterWindow", "FleetSchedule", "Precedence", "Schedule"),
     "coordination.verification": ("ClearanceReport", "verify"),
-    "errors": ("Infeasible", "InvalidGoal", "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidParameter",
-               "InvalidPose", "InvalidScenario", "InvalidSchedule", "InvalidStart", "NoPath", "NotReady",
-               "SocialFleetError", "SolverFailed", "TimedOut"),
+    "errors": ("Infeasible", "InvalidGoal", "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidOverlay",
+               "InvalidParameter", "InvalidPose", "InvalidScenario", "InvalidSchedule", "InvalidStart", "NoPath",
+               "NotReady", "SocialFleetError", "SolverFailed", "TimedOut"),
     "geometry": ("Polyline", "Pose"),
     "mapping.files": ("load_map", "save_map"),
     "mapping.grid": ("OccupancyGrid",),
     "planning.config": ("PlannerConfig",),
+    "planning.overlays.overlay_set": ("OverlaySet",),
+    "planning.overlays.shapes": ("Cells", "DiscObstacle", "Polygon", "Rectangle"),
     "planning.plan": ("Plan",),
     "planning.planner": ("SocialPlanner",),
     "planning.social_graph": ("SocialGraph",),
@@ -49,10 +54,11 @@ _HOMES = {
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "ClearanceReport", "EncounterWindow", "FleetSchedule", "Infeasible", "InvalidGoal", "InvalidGraph", "InvalidInput",
-    "InvalidMap", "InvalidParameter", "InvalidPose", "InvalidScenario", "InvalidSchedule", "InvalidStart",
-    "MotionLimits", "NoPath", "NotReady", "OccupancyGrid", "Plan", "PlannerConfig", "Polyline", "Pose", "Precedence",
-    "Robot", "Scenario", "Schedule", "SocialFleetError", "SocialGraph", "SocialPlanner", "SolverFailed", "TimedOut",
+    "Cells", "ClearanceReport", "DiscObstacle", "EncounterWindow", "FleetSchedule", "Infeasible", "InvalidGoal",
+    "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidOverlay", "InvalidParameter", "InvalidPose",
+    "InvalidScenario", "InvalidSchedule", "InvalidStart", "MotionLimits", "NoPath", "NotReady", "OccupancyGrid",
+    "OverlaySet", "Plan", "PlannerConfig", "Polygon", "Polyline", "Pose", "Precedence", "Rectangle", "Robot",
+    "Scenario", "Schedule", "SocialFleetError", "SocialGraph", "SocialPlanner", "SolverFailed", "TimedOut",
     "coordinate", "load_map", "load_scenario", "read_schedule", "save_map", "save_scenario", "verify",
     "write_schedule",
 ]

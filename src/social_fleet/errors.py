@@ -52,6 +52,10 @@ class InvalidGraph(InvalidInput):
     """A social graph file that is cut short, of another version, or learnt on another map."""
 
 
+class InvalidOverlay(InvalidInput):
+    """An obstacle that is no shape, or that lies off the map."""
+
+
 class InvalidScenario(InvalidInput):
     """A scenario file, a fleet or a request that contradicts itself or lacks a value."""
 

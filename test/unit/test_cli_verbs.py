@@ -82,6 +82,84 @@ def test_plan_refuses_unusable_poses(capsys: pytest.CaptureFixture, start: List[
                    "p.json").startswith(message)
 
 
+OVERLAYS = """\
+- {center: [6.5, 2.0], radius: 0.5}
+- {name: pallet, shape: rectangle, center: [6.5, 5.0], size: [1.0, 2.0], yaw: 0.3}
+- {shape: polygon, points: [[9, 1], [10, 1], [9.5, 2]]}
+"""
+
+
+def test_plan_goes_round_obstacles(capsys: pytest.CaptureFixture) -> None:
+    Path("o.yaml").write_text(OVERLAYS)
+    command = ["plan", "--map", "hall.yaml", "--start", "2", "5", "--goal", "11", "5"]
+    straight = run_json(capsys, *command)
+    shown = run_json(capsys, *command, "--overlays", "o.yaml", "--plot", "p.png")
+    assert shown["temporary"] is True and "temporary" not in straight
+    assert shown["points"] != straight["points"] and Image.open("p.png").format == "PNG"
+    far = run_json(capsys, *command[:3], "--start", "2", "7", "--goal", "2", "8", "--overlays", "o.yaml")
+    assert far["temporary"] is False
+
+
+@pytest.mark.parametrize("text, message", [
+    ("shape: circle", "o.yaml: must be a list of obstacles"), ("- 3", "o.yaml: [0]: must be a mapping"),
+    ("- {center: [6.0, 2.0]}", "o.yaml: [0].radius: is missing"),
+    ("- {center: [6.0, 2.0], radius: 0}", "o.yaml: [0].radius: must be greater than 0"),
+    ("- {center: [6.0], radius: 1}", "o.yaml: [0].center: must be a list [x, y]"),
+    ("- {center: [60.0, 2.0], radius: 1}", "o.yaml: [0]: the obstacle lies off the map"),
+    ("- {shape: star, center: [6.0, 2.0], radius: 1}", "o.yaml: [0].shape: must be circle or rectangle or polygon"),
+    ("- {shape: rectangle, center: [6.0, 2.0], size: [1, -1]}", "o.yaml: [0].size[1]: must be positive"),
+    ("- {shape: polygon, points: [[1, 1], [2, 2]]}", "o.yaml: [0].points: a polygon needs at least 3"),
+    ("- {shape: polygon, points: [[1, 1], [2, 2], [3, x]]}", "o.yaml: [0].points[2]: must be two finite numbers"),
+    ("- {shape: polygon, points: [[1, 1], [2, 2], [2, 1], [1, 2]]}", "o.yaml: [0].points: the sides"),
+    ("- {center: [6.0, 2.0], radius: 1, appears: 3}", "o.yaml: [0].appears: is not known here"),
+    ("- {name: a, center: [6, 2], radius: 1}\n- {name: a, center: [6, 5], radius: 1}", "o.yaml: [1].name: there is"),
+    ("- {name: cart, center: [2.0, 2.0], radius: 1}", "hall.yaml: --start: (2.00, 2.00) lies in the obstacle 'cart'"),
+])
+def test_plan_refuses_what_is_no_obstacle(capsys: pytest.CaptureFixture, text: str, message: str) -> None:
+    Path("o.yaml").write_text(text)
+    assert refused(capsys, "plan", "--map", "hall.yaml", "--start", "2", "2", "--goal", "11", "5", "--overlays",
+                   "o.yaml", "--out", "p.json").startswith(f"error: {message}")
+
+
+def test_learn_merges_what_others_learnt(capsys: pytest.CaptureFixture) -> None:
+    Path("c.yaml").write_text("min_component: 2")
+    learn = ["learn", "--map", "hall.yaml", "--config", "c.yaml"]
+    for seed in "12":
+        run_json(capsys, *learn, "--paths", "20", "--seed", seed, "--out", f"g{seed}")
+    both = run_json(capsys, *learn, "--merge", "g1", "g2", "--out", "a", "--graphml", "a.graphml")
+    again = run_json(capsys, *learn, "--merge", "g2", "--paths", "20", "--seed", "1", "--out", "b")
+    assert both["edges"] == again["edges"] > 0 and both["merged"] == ["g1", "g2"]
+    assert Path("a.graphml").read_text().count("<edge ") == both["edges"]
+    assert main([*learn, "--merge", "g1", "g2", "--paths", "5", "--out", "c"]) == 0
+    assert "from 5 paths and 2 other graphs" in capsys.readouterr().out
+
+
+def test_learn_refuses_what_cannot_be_merged(capsys: pytest.CaptureFixture) -> None:
+    shown = refused(capsys, "learn", "--map", "hall.yaml", "--out", "g")
+    assert shown.startswith("error: command line: --paths: is missing")
+    run_json(capsys, "learn", "--map", "rooms.yaml", "--paths", "5", "--out", "rooms.graph")
+    for file, message in (("rooms.graph", "map: was learnt on another map, and none of its edges holds"),
+                          ("hall.yaml", "is no social graph"), ("none", "cannot be read")):
+        shown = refused(capsys, "learn", "--map", "hall.yaml", "--merge", file, "--out", "g")
+        assert shown.startswith(f"error: {file}: {message}")
+    save_map(grid_from_text(HALL, 0.5), "fine.yaml")
+    shown = refused(capsys, "learn", "--map", "fine.yaml", "--merge", "rooms.graph", "--out", "g")
+    assert shown.startswith("error: rooms.graph: resolution: was learnt on cells of 1 m")
+
+
+def test_learn_follows_a_map_that_changed(capsys: pytest.CaptureFixture) -> None:
+    Path("c.yaml").write_text("{min_component: 2, heatmap_threshold: 0}")
+    run_json(capsys, "learn", "--map", "hall.yaml", "--paths", "20", "--config", "c.yaml", "--out", "old")
+    save_map(grid_from_text(HALL.replace("." * 12, "." * 10 + "##")), "changed.yaml")
+    command = ["plan", "--map", "changed.yaml", "--graph", "old", "--start", "2", "2", "--goal", "9", "5"]
+    assert refused(capsys, *command).startswith("error: old: map: was learnt on another map; learn it again")
+    assert main(["learn", "--map", "changed.yaml", "--merge", "old", "--config", "c.yaml", "--out", "new"]) == 0
+    warned = capsys.readouterr().err
+    assert "old was learnt on another map" in warned and " 0 are dropped" not in warned
+    command[4] = "new"
+    assert main(command) == 0
+
+
 def test_plan_takes_many_pairs(capsys: pytest.CaptureFixture) -> None:
     pairs = [[[1.5, 1.5], [3.0, 4.0]], [[1.5, 1.5], [6.0, 2.0]], [[6.0, 2.0, 0.5], [7.0, 4.0]]]
     Path("pairs.json").write_text(json.dumps(pairs))

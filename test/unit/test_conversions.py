@@ -9,17 +9,19 @@ import pytest
 pytest.importorskip("social_fleet.msg", reason="needs the built workspace's messages; tools/test has them")
 
 import genpy  # noqa: E402
-from geometry_msgs.msg import PoseStamped, Quaternion  # noqa: E402
+from geometry_msgs.msg import Point, PoseStamped, Quaternion  # noqa: E402
 from nav_msgs.msg import OccupancyGrid as GridMessage  # noqa: E402
 
 from social_fleet.coordination.robot import Robot  # noqa: E402
 from social_fleet.coordination.schedule import EncounterWindow, Precedence, Schedule  # noqa: E402
-from social_fleet.errors import (InvalidInput, InvalidMap, InvalidPose, InvalidScenario, InvalidSchedule,  # noqa: E402
-                                 InvalidStart)
+from social_fleet.errors import (InvalidInput, InvalidMap, InvalidOverlay, InvalidPose, InvalidScenario,  # noqa: E402
+                                 InvalidSchedule, InvalidStart)
 from social_fleet.geometry import Pose  # noqa: E402
 from social_fleet.mapping.grid import OccupancyGrid  # noqa: E402
 from social_fleet.msg import PlannedPath  # noqa: E402
+from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Polygon, Rectangle  # noqa: E402
 from social_fleet.ros import conversions  # noqa: E402
+from social_fleet.srv import AddOverlayRequest  # noqa: E402
 
 STAMP = genpy.Time(7, 500_000_000)
 CORNER = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)])
@@ -200,3 +202,54 @@ def test_a_window_of_no_known_kind_is_refused() -> None:
 def test_a_default_pose_message_is_refused() -> None:
     with pytest.raises(InvalidPose):
         conversions.pose_from_message(PoseStamped().pose)
+
+
+def overlay(shape: int, **values: Any) -> AddOverlayRequest:
+    """A request about (2, 3), in the map's frame."""
+    request = AddOverlayRequest(name="cart", shape=shape, **values)
+    request.header.frame_id = "map"
+    request.pose.position.x, request.pose.position.y = 2.0, 3.0
+    return request
+
+
+GRID = OccupancyGrid(np.zeros((4, 4), dtype=np.int8), 0.5)
+CORNERS = [Point(0.0, 0.0, 0.0), Point(1.0, 0.0, 0.0), Point(1.0, 1.0, 0.0)]
+PAIRS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
+
+
+@pytest.mark.parametrize("request_, shape", [
+    (overlay(AddOverlayRequest.DISC, radius=0.5), DiscObstacle(2.0, 3.0, 0.5)),
+    (overlay(AddOverlayRequest.RECTANGLE, width=1.0, height=0.5), Rectangle(2.0, 3.0, 1.0, 0.5)),
+    (overlay(AddOverlayRequest.POLYGON, points=CORNERS), Polygon(PAIRS)),
+    (overlay(AddOverlayRequest.CELLS, points=CORNERS), Cells(PAIRS, 0.5)),
+])
+def test_obstacles(request_: AddOverlayRequest, shape: Any) -> None:
+    assert conversions.shape_from_request(sent(request_), "map", GRID) == shape
+    request_.header.frame_id = "odom"
+    with pytest.raises(conversions.UnknownFrame, match="the obstacle 'cart' is in frame 'odom'"):
+        conversions.shape_from_request(request_, "map", GRID)
+
+
+def test_a_rectangle_turns_with_its_pose() -> None:
+    request = overlay(AddOverlayRequest.RECTANGLE, width=1.0, height=0.5)
+    request.pose.orientation = conversions.yaw_to_quaternion(0.7)
+    shape = conversions.shape_from_request(request, "map", GRID)
+    assert isinstance(shape, Rectangle) and shape.yaw == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("wrong, field", [
+    (overlay(17), "shape"), (overlay(AddOverlayRequest.DISC), "radius"),
+    (overlay(AddOverlayRequest.RECTANGLE, width=1.0), "height"),
+    (overlay(AddOverlayRequest.POLYGON, points=CORNERS[:2]), "vertices"), (overlay(AddOverlayRequest.CELLS), "points"),
+])
+def test_obstacles_that_are_none(wrong: AddOverlayRequest, field: str) -> None:
+    with pytest.raises(InvalidOverlay) as caught:
+        conversions.shape_from_request(wrong, "map", GRID)
+    assert caught.value.field == field
+
+
+def test_a_rectangle_needs_a_quaternion_or_none() -> None:
+    request = overlay(AddOverlayRequest.RECTANGLE, width=1.0, height=0.5)
+    request.pose.orientation.w = 0.5
+    with pytest.raises(InvalidOverlay, match="not a unit quaternion"):
+        conversions.shape_from_request(request, "map", GRID)

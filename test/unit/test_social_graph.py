@@ -1,7 +1,6 @@
 """The social graph: extraction, files, and learning."""
 
 import math
-import os
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from worlds import grid_from_text
 from social_fleet.errors import InvalidGraph, InvalidInput
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.heatmaps import Heatmaps, headings_of
+from social_fleet.planning.heatmaps import EdgeCounts, Heatmaps, headings_of
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph, learn
 
@@ -53,50 +52,9 @@ def test_components_are_weakly_connected():
 def test_networkx():
     graph = SocialGraph.extract(heatmaps_of(np.array([[1, 1], [2, 2], [2, 3]])), 0, 1, grid=GRID).to_networkx()
     assert set(graph.nodes) == {(1, 1), (2, 2), (2, 3)}
-    assert graph.edges[(1, 1), (2, 2)] == {"heading": NORTH_EAST, "weight": pytest.approx(0.5 * math.sqrt(2.0))}
+    assert graph.edges[(1, 1), (2, 2)] == {"heading": NORTH_EAST, "paths": 1,
+                                           "weight": pytest.approx(0.5 * math.sqrt(2.0))}
     assert graph.edges[(2, 2), (2, 3)]["weight"] == 0.5
-
-
-def test_saving_and_loading(tmp_path):
-    graph = SocialGraph.extract(heatmaps_of(straight(2, range(20))), 0, 1, grid=GRID)
-    path = tmp_path / "routes.graph"
-    graph.save(path)
-    again = SocialGraph.load(path, grid=GRID)
-    np.testing.assert_array_equal(again.edges, graph.edges)
-    assert (again.digest, again.resolution) == (GRID.digest, 0.5)
-    assert os.listdir(tmp_path) == ["routes.graph"]
-
-
-def test_a_graph_of_another_map_is_refused(tmp_path):
-    graph = SocialGraph.extract(heatmaps_of(straight(2, range(20))), 0, 1, grid=GRID)
-    graph.save(tmp_path / "g")
-    other = OccupancyGrid(np.zeros((6, 20), dtype=np.int8), 0.25)
-    with pytest.raises(InvalidGraph, match="another map"):
-        SocialGraph.load(tmp_path / "g", grid=other)
-    with pytest.raises(InvalidGraph, match="another map"):
-        SocialPlanner(other, PlannerConfig(robot_radius=0.1), graph=graph)
-
-
-def test_files_that_are_no_graph_are_refused(tmp_path):
-    good = tmp_path / "good"
-    SocialGraph.extract(heatmaps_of(straight(2, range(20))), 0, 1, grid=GRID).save(good)
-    content = good.read_bytes()
-    for name, text in (("cut", content[:len(content) // 2]), ("empty", b""), ("text", b"routes"),
-                       ("flipped", content[:60] + bytes([content[60] ^ 255]) + content[61:])):
-        (tmp_path / name).write_bytes(text)
-        with pytest.raises(InvalidGraph) as caught:
-            SocialGraph.load(tmp_path / name)
-        assert caught.value.source.endswith(name)
-    with pytest.raises(InvalidGraph, match="No such file"):
-        SocialGraph.load(tmp_path / "missing")
-
-
-def test_another_version_is_refused(tmp_path):
-    header = '{"format": "social_fleet graph", "version": 99, "map": "x", "resolution": 0.5}'
-    with open(tmp_path / "g", "wb") as stream:
-        np.savez_compressed(stream, header=np.array(header), edges=np.zeros((2, 2), dtype=np.uint8))
-    with pytest.raises(InvalidGraph, match="version 99"):
-        SocialGraph.load(tmp_path / "g")
 
 
 def test_edges_that_leave_the_map_are_refused():
@@ -107,6 +65,22 @@ def test_edges_that_leave_the_map_are_refused():
             SocialGraph(edges, "x", 0.5)
     with pytest.raises(InvalidGraph):
         SocialGraph(np.zeros((2, 2)), "x", 0.5)
+    with pytest.raises(InvalidGraph, match="do not fit"):
+        SocialGraph(np.zeros((2, 2), dtype=np.uint8), "x", 0.5, counts=EdgeCounts.none((3, 2)))
+
+
+def test_edges_have_the_numbers_of_their_counts():
+    graph = SocialGraph.extract(heatmaps_of(straight(2, range(20)), straight(4, range(5, 1, -1))), 0, 1, grid=GRID)
+    np.testing.assert_array_equal(graph.edge_numbers, graph.counts.edges)
+
+
+def test_a_graph_of_another_map_is_refused():
+    graph = SocialGraph.extract(heatmaps_of(straight(2, range(20))), 0, 1, grid=GRID)
+    other = OccupancyGrid(np.zeros((6, 20), dtype=np.int8), 0.25)
+    with pytest.raises(InvalidGraph, match="another map"):
+        SocialPlanner(other, PlannerConfig(robot_radius=0.1), graph=graph)
+    with pytest.raises(InvalidGraph, match="another map"):  # whatever its digest says
+        SocialGraph(graph.edges[:3], GRID.digest, 0.5).check_map(GRID)
 
 
 def test_learning_makes_routes_that_plans_then_take():

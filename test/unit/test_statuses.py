@@ -8,8 +8,9 @@ pytest.importorskip("social_fleet.msg", reason="needs the built workspace's mess
 
 from social_fleet import errors  # noqa: E402
 from social_fleet.ros.conversions import UnknownFrame  # noqa: E402
-from social_fleet.ros.statuses import COORDINATE_STATUSES, PLAN_STATUSES, status_of  # noqa: E402
-from social_fleet.srv import CoordinateResponse, PlanPathResponse  # noqa: E402
+from social_fleet.ros.statuses import COORDINATE_STATUSES, OVERLAY_STATUSES, PLAN_STATUSES, status_of  # noqa: E402
+from social_fleet.srv import (AddOverlayResponse, ClearOverlayResponse, CoordinateResponse,  # noqa: E402
+                              PlanPathResponse)
 
 
 def constants(response: Any) -> Set[int]:
@@ -17,11 +18,13 @@ def constants(response: Any) -> Set[int]:
 
 
 @pytest.mark.parametrize("table, response", [(PLAN_STATUSES, PlanPathResponse),
-                                             (COORDINATE_STATUSES, CoordinateResponse)])
+                                             (COORDINATE_STATUSES, CoordinateResponse),
+                                             (OVERLAY_STATUSES, AddOverlayResponse),
+                                             (OVERLAY_STATUSES, ClearOverlayResponse)])
 def test_statuses_are_constants_and_none_means_success(table: Any, response: Any) -> None:
     given = {status for _, status in table}
     assert given <= constants(response) - {response.SUCCESS}
-    assert given | {response.SUCCESS, response.CANCELED} == constants(response)
+    assert given | {response.SUCCESS, getattr(response, "CANCELED", response.SUCCESS)} == constants(response)
 
 
 @pytest.mark.parametrize("error, plan, coordinate", [
@@ -42,8 +45,15 @@ def test_every_exception_has_its_status(error: Exception, plan: str, coordinate:
     assert status_of(error, COORDINATE_STATUSES) == getattr(CoordinateResponse, coordinate)
 
 
+def test_obstacles_have_theirs() -> None:
+    for error, status in ((errors.InvalidOverlay("x"), "INVALID_REQUEST"), (UnknownFrame("x"), "TF_ERROR"),
+                          (errors.NotReady("x"), "NOT_INITIALIZED"), (errors.InvalidMap("x"), "MAP_ERROR")):
+        assert status_of(error, OVERLAY_STATUSES) == getattr(AddOverlayResponse, status)
+    assert status_of(errors.InvalidOverlay("x"), PLAN_STATUSES) == PlanPathResponse.INVALID_REQUEST
+
+
 def test_the_tables_reach_every_exception_of_the_package() -> None:
     for kind in vars(errors).values():
         if isinstance(kind, type) and issubclass(kind, errors.SocialFleetError):
-            for table in (PLAN_STATUSES, COORDINATE_STATUSES):
+            for table in (PLAN_STATUSES, COORDINATE_STATUSES, OVERLAY_STATUSES):
                 assert any(issubclass(kind, known) for known, _ in table)

@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-SUBJECTS = ("planning", "coordination", "fleets", "simulation", "nodes")
+SUBJECTS = ("planning", "learning", "coordination", "fleets", "simulation", "nodes")
 
 
 def main() -> int:

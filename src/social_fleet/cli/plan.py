@@ -3,7 +3,7 @@
 import argparse
 import math
 import os
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.cli.arguments import add_pose, check_outputs
 from social_fleet.cli.output import show, written
@@ -24,6 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="plan many: [[[x, y], [x, y]], …], each a start and a goal, with or without yaw")
     parser.add_argument("--planner", choices=PLANNERS, default="social", help="default: social")
     parser.add_argument("--graph", metavar="G", help="favour the routes of this social graph, made by learn")
+    parser.add_argument("--overlays", metavar="O.yaml",
+                        help="go round obstacles that the map does not hold: a list of {shape: circle, center: [x, y], "
+                             "radius}, {shape: rectangle, center, size: [x, y], yaw}, {shape: polygon, points}")
     parser.add_argument("--config", metavar="C.yaml", help="parameters of the planner, such as robot_radius and side")
     parser.add_argument("--out", metavar="plan.json", help="write the path, with --batch a list of paths")
     parser.add_argument("--plot", metavar="plan.png", help="draw the path on the map")
@@ -34,12 +37,13 @@ def run(args: argparse.Namespace) -> int:
     pairs = _pairs(args)
     check_outputs(args.out, args.plot)
     planner = make_planner(args.map, args.config, args.graph)
+    overlays = _overlays(args, planner.grid)
     for name, start, goal in pairs:
-        _check(planner, args, name, start, goal)
+        _check(planner, args, name, start, goal, overlays)
     records, plans = [], []
     with progress(len(pairs), "planning", "paths") as update:
         for index, (name, start, goal) in enumerate(pairs):
-            plan, record = _plan(planner, args, start, goal)
+            plan, record = _plan(planner, args, start, goal, overlays)
             plans.append(plan)
             records.append(record)
             update(index + 1)
@@ -48,9 +52,11 @@ def run(args: argparse.Namespace) -> int:
         from social_fleet.files import write_json
         write_json(args.out, result)
     if args.plot:
+        from social_fleet.planning.overlays.raster import drawn_on
         from social_fleet.scenario.pictures.plan_picture import plan_picture
-        plan_picture(planner.grid, [(pairs[index][1], pairs[index][2], plan) for index, plan in enumerate(plans)],
-                     args.plot, robot_radius=planner.config.robot_radius)
+        drawn = drawn_on(planner.grid, overlays.values())
+        plan_picture(drawn, [(pairs[index][1], pairs[index][2], plan) for index, plan in enumerate(plans)], args.plot,
+                     robot_radius=planner.config.robot_radius)
     show(args, result, [*_summary(records, bool(args.batch)), *written(args.out, args.plot)])
     return 0 if all(plan is not None for plan in plans) else 1
 
@@ -104,13 +110,23 @@ def _is_pose(value: Any) -> bool:
             and all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value))
 
 
-def _check(planner: Any, args: argparse.Namespace, name: str, start: Sequence[float], goal: Sequence[float]) -> None:
+def _overlays(args: argparse.Namespace, grid: Any) -> Mapping[str, Any]:
+    """The obstacles asked for, by name."""
+    if not args.overlays:
+        return {}
+    from social_fleet.scenario.obstacle_files import load_obstacles
+    return load_obstacles(args.overlays, grid)
+
+
+def _check(planner: Any, args: argparse.Namespace, name: str, start: Sequence[float], goal: Sequence[float],
+           overlays: Mapping[str, Any]) -> None:
     """Refuse a pose that the robot cannot take before any path is planned."""
     for what, pose, kind in (("start", start, InvalidStart), ("goal", goal, InvalidGoal)):
         try:
             planner.space.check_pose(pose[0], pose[1], what)
             if not math.isfinite(pose[-1]):
                 raise kind(f"the yaw {pose[-1]} is not finite; give it in radians")
+            planner.check_pose(pose, what, overlays=overlays)
         except InvalidPose as error:
             raise _placed(error, args, name) from error
 
@@ -124,17 +140,19 @@ def _placed(error: InvalidPose, args: argparse.Namespace, name: str) -> InvalidP
 
 
 def _plan(planner: Any, args: argparse.Namespace, start: Sequence[float], goal: Sequence[float],
-          ) -> Tuple[Any, Dict[str, Any]]:
+          overlays: Mapping[str, Any]) -> Tuple[Any, Dict[str, Any]]:
     """The plan, None where there is no path, and its record for plan.json."""
     record: Dict[str, Any] = {"map": args.map, "planner": args.planner, "robot_radius": planner.config.robot_radius,
                               "points": [], "length": None, "social_cost": None, "cost": None, "expanded": None,
                               "search_time": None, "status": "ok"}
     try:
-        plan = planner.plan(start, goal, planner=args.planner)
+        plan = planner.plan(start, goal, planner=args.planner, overlays=overlays)
     except NoPath as error:
         return None, {**record, "status": "no_path_found", "message": str(error)}
     for name in ("points", "length", "social_cost", "cost", "expanded", "search_time"):
         record[name] = getattr(plan, name)
+    if overlays:
+        record["temporary"] = plan.temporary
     return plan, record
 
 

@@ -38,6 +38,8 @@ class PlannerConfig:
     corner_radius: float = parameter(0.8, minimum=0.0)  # largest radius of a rounded corner [m]; 0: sharp corners
     heatmap_threshold: int = parameter(1, minimum=0)  # paths that an edge of the social graph has to exceed
     min_component: int = parameter(15, minimum=1)  # smallest number of nodes of a part of the social graph
+    temporary_distance: float = parameter(2.5, minimum=0.0)  # plans this near to an obstacle are temporary [m]
+    promotion_threshold: int = parameter(50, minimum=0)  # detours after which an obstacle is permanent; 0: never
 
     def __post_init__(self) -> None:
         check_parameters(self)

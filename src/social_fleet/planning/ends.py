@@ -1,7 +1,7 @@
 """The two ends of a plan: poses checked, and joined to the lattice where the robot can drive straight."""
 
 import math
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -10,12 +10,33 @@ from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.chords import Ground, is_free
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.overlaid import Overlaid, check_clear
 
 REACH = 3  # [cells] how far from a pose its path may join the lattice
 
 
-def checked_position(space: ConfigurationSpace, pose: Sequence[float], what: str,
-                     avoid: Sequence[Disc]) -> np.ndarray:
+def parsed_pose(pose: Sequence[float], what: str) -> List[float]:
+    """A pose's two or three finite numbers.
+
+    Raises
+    ------
+    InvalidStart, InvalidGoal
+        As `what` says: when it holds something else.
+    """
+    error = InvalidStart if what == "start" else InvalidGoal
+    try:
+        numbers = [float(value) for value in pose]
+    except (TypeError, ValueError):
+        raise error(f"must be (x, y) or (x, y, yaw), not {pose!r}", field=what) from None
+    if len(numbers) not in (2, 3):
+        raise error(f"must be (x, y) or (x, y, yaw), not {len(numbers)} numbers", field=what)
+    if not all(map(math.isfinite, numbers)):
+        raise error(f"must be finite, not ({', '.join(f'{value:g}' for value in numbers)})", field=what)
+    return numbers
+
+
+def checked_position(space: ConfigurationSpace, pose: Sequence[float], what: str, avoid: Sequence[Disc],
+                     overlaid: Optional[Overlaid] = None) -> np.ndarray:
     """A pose's position in cells along the grid's axes.
 
     Parameters
@@ -28,6 +49,8 @@ def checked_position(space: ConfigurationSpace, pose: Sequence[float], what: str
         ``start`` or ``goal``.
     avoid : sequence of Disc
         What the path keeps out of.
+    overlaid : Overlaid, optional
+        Obstacles that the map does not hold.
 
     Raises
     ------
@@ -35,16 +58,10 @@ def checked_position(space: ConfigurationSpace, pose: Sequence[float], what: str
         As `what` says: when the robot cannot stand there.
     """
     error = InvalidStart if what == "start" else InvalidGoal
-    try:
-        numbers = [float(value) for value in pose]
-    except (TypeError, ValueError):
-        raise error(f"must be (x, y) or (x, y, yaw), not {pose!r}", field=what) from None
-    if len(numbers) not in (2, 3):
-        raise error(f"must be (x, y) or (x, y, yaw), not {len(numbers)} numbers", field=what)
-    if not all(map(math.isfinite, numbers)):
-        raise error(f"must be finite, not ({', '.join(f'{value:g}' for value in numbers)})", field=what)
-    x, y = numbers[:2]
+    x, y = parsed_pose(pose, what)[:2]
     space.check_pose(x, y, what)
+    if overlaid is not None:
+        check_clear(overlaid, space, x, y, what)
     for disc in avoid:
         if disc.holds(x, y):
             raise error(f"({x:.2f}, {y:.2f}) lies within {disc.radius:.2f} m of ({disc.x:.2f}, {disc.y:.2f}), "

@@ -1,7 +1,7 @@
 """What a planner returns."""
 
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -38,6 +38,12 @@ class Plan:
         Headings at the ends [rad], None where any will do.
     temporary : bool
         The path is a detour round a temporary obstacle.
+    obstacles : tuple of str
+        Names of the temporary obstacles that it comes near.
+    goal_shift : float
+        How far from the goal that was asked for the path ends [m].
+    message : str
+        What a user should know of the path, such as why it ends elsewhere; empty when there is nothing.
     """
 
     points: np.ndarray
@@ -52,6 +58,9 @@ class Plan:
     start_yaw: Optional[float] = None
     goal_yaw: Optional[float] = None
     temporary: bool = False
+    obstacles: Tuple[str, ...] = ()
+    goal_shift: float = 0.0
+    message: str = ""
 
     @property
     def path(self) -> Polyline:

@@ -1,24 +1,29 @@
 """The social planner: from two poses to the path that is driven between them."""
 
+import math
 import threading
 import time
 import zlib
-from typing import Optional, Sequence, Tuple
+from dataclasses import replace
+from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from social_fleet.errors import InvalidParameter, NoPath
+from social_fleet.errors import InvalidGoal, InvalidParameter, NoPath
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.baselines.rrt_star import PATIENCE, rrt_star
 from social_fleet.planning.chords import Ground, Prices
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.costs import edge_costs
-from social_fleet.planning.ends import checked_position, joined, reachable
+from social_fleet.planning.ends import checked_position, joined, parsed_pose, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.norms import Norm, norm_of
 from social_fleet.planning.overlay import Disc, covered_nodes, local_discs
+from social_fleet.planning.overlays.overlaid import Overlaid, OverlaidMaps, near_overlays
+from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
+from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_reachable
 from social_fleet.planning.search import Search, SearchResult
 from social_fleet.planning.smoothing import rounded, smooth
 from social_fleet.planning.social_graph import SocialGraph
@@ -26,6 +31,14 @@ from social_fleet.planning.social_graph import SocialGraph
 PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000
 RRT_STEP = 3.0  # [m]
+
+
+class Surroundings(NamedTuple):
+    """What one request meets: where the robot fits on the way, and the nodes that it must not enter."""
+
+    ground: Ground
+    closed: np.ndarray
+    overlaid: Overlaid
 
 
 class SocialPlanner:
@@ -65,6 +78,7 @@ class SocialPlanner:
         self._social = edge_costs(self.lattice, grid.blocked, norm or norm_of(config), stretch=config.wall_stretch)
         self._search = Search(self.lattice, self._social, exemption_radius=config.exemption_radius,
                               epsilon=config.epsilon)
+        self._overlaid = OverlaidMaps(self.space, self._way, self.lattice)
         self._lock = threading.Lock()
         self._graph: Optional[SocialGraph] = None
         self._graph_edges: Optional[np.ndarray] = None
@@ -85,7 +99,7 @@ class SocialPlanner:
             self._graph, self._graph_edges = graph, edges
 
     def plan(self, start: Sequence[float], goal: Sequence[float], *, planner: str = "social",
-             avoid: Sequence[Disc] = ()) -> Plan:
+             avoid: Sequence[Disc] = (), overlays: Overlays = (), tolerance: float = 0.0) -> Plan:
         """One path.
 
         Parameters
@@ -96,6 +110,10 @@ class SocialPlanner:
             ``social``, ``shortest`` (length only) or ``rrt_star``.
         avoid : sequence of Disc
             Where the path's centre line must not go.
+        overlays : OverlaySet, mapping of names to shapes, or sequence of shapes
+            Obstacles that the map does not hold; the robot's disc keeps clear of them.
+        tolerance : float
+            Where the goal is blocked or cut off, the path may end this far from it [m].
 
         Returns
         -------
@@ -108,46 +126,110 @@ class SocialPlanner:
             When the robot cannot stand there; the message says why and what would do.
         NoPath
             When nothing joins the two.
+        InvalidOverlay
+            When an obstacle lies off the map.
         InvalidParameter
-            When there is no such planner.
+            When there is no such planner, or the tolerance is no length.
         """
         if planner not in PLANNERS:
             raise InvalidParameter(f"must be one of {', '.join(PLANNERS)}, not {planner!r}", field="planner")
+        check_tolerance(tolerance)
+        around = self._surroundings(avoid, overlays)
+        try:
+            return self._plan(start, goal, planner, avoid, around)
+        except (InvalidGoal, NoPath) as error:
+            if tolerance == 0.0:
+                raise
+            place = self._beside(start, goal, around, tolerance)
+            if place is None:
+                raise _nowhere(error, tolerance) from error
+            reason = f"blocked: {error.message.partition(';')[0]}" if isinstance(error, InvalidGoal) else "cut off"
+        plan = self._plan(start, place, planner, avoid, around)
+        shift = math.hypot(place[0] - goal[0], place[1] - goal[1])
+        return replace(plan, goal_shift=shift, message=f"the goal is {reason}; the path ends {shift:.2f} m from it at "
+                                                       f"({place[0]:.2f}, {place[1]:.2f})")
+
+    def check_pose(self, pose: Sequence[float], what: str, *, overlays: Overlays = ()) -> None:
+        """Refuse a ``start`` or ``goal`` (as `what` says) where the robot cannot stand, as `plan` does.
+
+        Raises
+        ------
+        InvalidStart, InvalidGoal
+            The message says why and what would do.
+        """
+        checked_position(self.space, pose, what, (), self._overlaid.of(overlays))
+
+    def closed_cells(self, overlays: Overlays) -> np.ndarray:
+        """Cells (M, 2) (row, column) that a path of this robot cannot use because of obstacles."""
+        return self._overlaid.of(overlays).closed_cells
+
+    def _plan(self, start: Sequence[float], goal: Sequence[float], planner: str, avoid: Sequence[Disc],
+              around: Surroundings) -> Plan:
+        """The path that ends exactly at the goal."""
         began = time.perf_counter()
-        ends = (checked_position(self.space, start, "start", avoid), checked_position(self.space, goal, "goal", avoid))
-        discs = local_discs(self.grid, avoid)
+        ends = (checked_position(self.space, start, "start", avoid, around.overlaid),
+                checked_position(self.space, goal, "goal", avoid, around.overlaid))
         with self._lock:
-            found = self._route(planner, ends, discs)
+            found = self._route(planner, ends, around)
             if found is None:
-                raise self._no_path(start, goal, avoid, planner)
+                raise self._no_path(start, goal, len(avoid) + len(around.overlaid.overlays), planner)
             vertices, result, graph = found
             costs = self._search.evaluate(result.nodes, result.headings, graph)
         points = self.grid.from_local(vertices * self.grid.resolution)
         points[0], points[-1] = start[:2], goal[:2]
+        near = near_overlays(around.overlaid.overlays, points, self.config.temporary_distance)
         return Plan(points=points, length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
                     social_cost=float(costs[1].sum()), cost=float(costs.sum()), expanded=result.expanded,
                     search_time=time.perf_counter() - began, planner=planner, robot_radius=self.config.robot_radius,
-                    cells=self.lattice.cells(result.nodes), start_yaw=_yaw(start), goal_yaw=_yaw(goal))
+                    cells=self.lattice.cells(result.nodes), start_yaw=_yaw(start), goal_yaw=_yaw(goal),
+                    temporary=bool(near), obstacles=near)
+
+    def _surroundings(self, avoid: Sequence[Disc], overlays: Overlays) -> Surroundings:
+        overlaid = self._overlaid.of(overlays)
+        discs = local_discs(self.grid, avoid)
+        ground = Ground(overlaid.blocked, overlaid.clearance, self.grid.resolution, fitting_radius(self._way), discs)
+        closed = covered_nodes(self.lattice.node, discs)
+        if len(overlaid.closed):
+            closed = np.union1d(closed, overlaid.closed)
+        return Surroundings(ground, closed, overlaid)
+
+    def _beside(self, start: Sequence[float], goal: Sequence[float], around: Surroundings,
+                tolerance: float) -> Optional[Tuple[float, ...]]:
+        """The pose [m, rad] within the tolerance [m] that is nearest to a goal which cannot be reached; None: none."""
+        numbers = parsed_pose(goal, "goal")
+        cells = 1.0 / self.grid.resolution
+        ends = self.grid.to_local(np.array([start[:2], numbers[:2]], dtype=float)) * cells
+        place = nearest_reachable(self.lattice, around.ground._replace(radius=fitting_radius(self.space)), ends[0],
+                                  ends[1], around.closed, tolerance * cells)
+        if place is None:
+            return None
+        x, y = self.grid.from_local(place[None] * self.grid.resolution)[0]
+        return (float(x), float(y), *numbers[2:])
 
     def _route(self, planner: str, ends: Tuple[np.ndarray, np.ndarray],
-               discs: np.ndarray) -> Optional[Tuple[np.ndarray, SearchResult, Optional[np.ndarray]]]:
+               around: Surroundings) -> Optional[Tuple[np.ndarray, SearchResult, Optional[np.ndarray]]]:
         """The driven vertices in cells, the searched path, and the graph that it was searched with; None: no path."""
-        ground = Ground(self.grid.blocked, self.space.clearance, self.grid.resolution, fitting_radius(self._way),
-                        discs)
-        closed = covered_nodes(self.lattice.node, discs)
-        joins = joined(self.lattice, ground._replace(radius=fitting_radius(self.space)), ends, closed)
+        ground, closed = around.ground, around.closed
+        at_ends = ground._replace(radius=fitting_radius(self.space))
+        joins = joined(self.lattice, at_ends, ends, closed)
         if not joins:
             return None
         if planner == "rrt_star":
             return self._sampled(ground, ends, joins[0], closed)
         graph = self._graph_edges if planner == "social" else None
-        if planner == "social":
-            result = self._search.cheapest(*joins[0], graph=graph, closed=closed)
-        else:
-            result = self._search.shortest(*joins[0], closed=closed)
+        result = self._searched(planner, joins[0], graph, closed)
+        if result is None and len(closed):
+            join = joined_clear(self.lattice, at_ends, ends, closed)
+            result = None if join is None else self._searched(planner, join, graph, closed)
         if result is None:
             return None
         return self._smoothed(ground, ends, result, social=planner == "social"), result, graph
+
+    def _searched(self, planner: str, join: Tuple[int, int], graph: Optional[np.ndarray],
+                  closed: np.ndarray) -> Optional[SearchResult]:
+        if planner == "social":
+            return self._search.cheapest(*join, graph=graph, closed=closed)
+        return self._search.shortest(*join, closed=closed)
 
     def _smoothed(self, ground: Ground, ends: Tuple[np.ndarray, np.ndarray], result: SearchResult, *,
                   social: bool) -> np.ndarray:
@@ -184,8 +266,8 @@ class SocialPlanner:
         """What a smoothed path keeps from walls in tight spots [cells]: the radius and half of the margin."""
         return 0.5 * (fitting_radius(self.space) + fitting_radius(self._way))
 
-    def _no_path(self, start: Sequence[float], goal: Sequence[float], avoid: Sequence[Disc], planner: str) -> NoPath:
-        around = f" round {len(avoid)} obstacle{'s' * (len(avoid) > 1)}" if avoid else ""
+    def _no_path(self, start: Sequence[float], goal: Sequence[float], obstacles: int, planner: str) -> NoPath:
+        around = f" round {obstacles} obstacle{'s' * (obstacles > 1)}" if obstacles else ""
         reason = "every way is blocked or too narrow"
         if planner == "rrt_star":
             reason += f", or RRT* found none within {PATIENCE * RRT_SAMPLES} samples"
@@ -197,6 +279,14 @@ class SocialPlanner:
 def _seed(ends: Sequence[np.ndarray]) -> int:
     """A seed of RRT* of its own for every pair of ends, so that the trees of several pairs have nothing in common."""
     return zlib.crc32(np.concatenate(ends).tobytes())
+
+
+def _nowhere(error: Union[InvalidGoal, NoPath], tolerance: float) -> Union[InvalidGoal, NoPath]:
+    """The error that a tolerance did not help with."""
+    note = f"; nor can any place within {tolerance:g} m of the goal be reached"
+    if isinstance(error, InvalidGoal):
+        return InvalidGoal(error.message + note, field=error.field)
+    return NoPath(str(error) + note)
 
 
 def _yaw(pose: Sequence[float]) -> Optional[float]:

@@ -1,24 +1,18 @@
 """The social graph: routes that the fleet has established (3.2.2)."""
 
-import json
-import os
-import zipfile
-import zlib
 from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple
 
 import numpy as np
 
 from social_fleet.errors import InvalidGraph, InvalidInput
-from social_fleet.files import PathLike, atomic_write
+from social_fleet.files import PathLike
+from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
-from social_fleet.planning.heatmaps import Heatmaps
+from social_fleet.planning.heatmaps import EdgeCounts, Heatmaps
 
 if TYPE_CHECKING:
     from social_fleet.planning.planner import SocialPlanner
-
-FORMAT = "social_fleet graph"
-VERSION = 1
 
 
 class SocialGraph:
@@ -32,14 +26,19 @@ class SocialGraph:
         `OccupancyGrid.digest` of the map that it was learnt on.
     resolution : float
         Of that map [m].
+    origin : Pose, optional
+        Of that map [m, rad]; without it the graph cannot be adapted to another map.
+    counts : EdgeCounts, optional
+        What it was extracted from; without them it cannot be merged.
 
     Raises
     ------
     InvalidGraph
-        When the array has another shape or type, or an edge leaves the map.
+        When an array has another shape or type, or an edge leaves the map.
     """
 
-    def __init__(self, edges: np.ndarray, digest: str, resolution: float) -> None:
+    def __init__(self, edges: np.ndarray, digest: str, resolution: float, *, origin: Optional[Pose] = None,
+                 counts: Optional[EdgeCounts] = None) -> None:
         edges = np.array(edges)
         if edges.ndim != 2 or edges.dtype != np.uint8:
             raise InvalidGraph(f"needs rows and columns of uint8, not shape {edges.shape} of {edges.dtype}",
@@ -47,10 +46,14 @@ class SocialGraph:
         beyond = [edges[:, -1] & 0b10000011, edges[:, 0] & 0b00111000, edges[-1] & 0b00001110, edges[0] & 0b11100000]
         if any(border.any() for border in beyond):
             raise InvalidGraph("an edge leaves the map", field="edges")
+        if counts is not None and counts.shape != edges.shape:
+            raise InvalidGraph(f"counts of {counts.shape} cells do not fit edges of {edges.shape}", field="counts")
         edges.setflags(write=False)
         self.edges = edges
         self.digest = digest
         self.resolution = resolution
+        self.origin = origin
+        self.counts = counts
 
     @classmethod
     def extract(cls, heatmaps: Heatmaps, threshold: int, min_component: int, *, grid: OccupancyGrid) -> "SocialGraph":
@@ -69,11 +72,23 @@ class SocialGraph:
         """
         if heatmaps.shape != grid.shape:
             raise InvalidGraph(f"heatmaps of {heatmaps.shape} cells do not fit a map of {grid.shape}", field="heatmaps")
-        heading, row, col = np.nonzero(heatmaps.counts > threshold)
-        edges = np.zeros(grid.shape, dtype=np.uint8)
-        keep = _in_large_components(heading, row, col, grid.shape[1], min_component)
+        return cls.from_counts(heatmaps.edge_counts(), threshold, min_component, digest=grid.digest,
+                               resolution=grid.resolution, origin=grid.origin)
+
+    @classmethod
+    def from_counts(cls, counts: EdgeCounts, threshold: int, min_component: int, *, digest: str, resolution: float,
+                    origin: Optional[Pose]) -> "SocialGraph":
+        """As `extract`, from counts; the same counts always give the same graph."""
+        heading, row, col = counts.only(counts.counts > threshold).places
+        edges = np.zeros(counts.shape, dtype=np.uint8)
+        keep = _in_large_components(heading, row, col, counts.shape[1], min_component)
         np.bitwise_or.at(edges, (row[keep], col[keep]), (1 << heading[keep]).astype(np.uint8))
-        return cls(edges, grid.digest, grid.resolution)
+        return cls(edges, digest, resolution, origin=origin, counts=counts)
+
+    @property
+    def edge_numbers(self) -> np.ndarray:
+        """Numbers of its edges as in `EdgeCounts`, ascending."""
+        return np.flatnonzero(np.unpackbits(self.edges[None], axis=0, bitorder="little"))
 
     @property
     def edge_count(self) -> int:
@@ -95,11 +110,15 @@ class SocialGraph:
 
     def check_map(self, grid: OccupancyGrid) -> None:
         """Raise InvalidGraph unless the graph was learnt on `grid`."""
-        if self.digest != grid.digest:
-            raise InvalidGraph("was learnt on another map; learn it again on this one", field="map")
+        if self.digest != grid.digest or self.edges.shape != grid.shape:
+            raise InvalidGraph("was learnt on another map; learn it again on this one, or bring over what still holds "
+                               "(learn --merge)", field="map")
 
     def to_networkx(self) -> Any:
-        """The graph as a networkx.DiGraph: nodes (row, column), edges with `weight` [m] and `heading`."""
+        """The graph as a networkx.DiGraph: nodes (row, column), edges with `weight` [m] and `heading`.
+
+        Edges whose paths were counted have their number as `paths`.
+        """
         import networkx
 
         graph = networkx.DiGraph()
@@ -107,6 +126,12 @@ class SocialGraph:
         for heading, tail, head in zip(*(part.tolist() for part in self._ends())):
             graph.add_edge(divmod(tail, columns), divmod(head, columns), heading=heading,
                            weight=self.resolution * (1.0 if heading % 2 == 0 else 2.0 ** 0.5))
+        if self.counts is not None:
+            member = self.counts.only(np.isin(self.counts.edges, self.edge_numbers, assume_unique=True))
+            tails = np.stack(member.places[1:], axis=1)
+            heads = tails + HEADINGS[member.places[0]][:, ::-1]
+            for tail, head, paths in zip(tails.tolist(), heads.tolist(), member.counts.tolist()):
+                graph.edges[tuple(tail), tuple(head)]["paths"] = paths
         return graph
 
     def save(self, path: PathLike) -> None:
@@ -117,9 +142,8 @@ class SocialGraph:
         InvalidInput
             When the file cannot be created.
         """
-        header = json.dumps({"format": FORMAT, "version": VERSION, "map": self.digest, "resolution": self.resolution})
-        with atomic_write(path, "wb") as stream:
-            np.savez_compressed(stream, header=np.array(header), edges=self.edges)
+        from social_fleet.planning.graph_files import write_graph
+        write_graph(self, path)
 
     @classmethod
     def load(cls, path: PathLike, *, grid: Optional[OccupancyGrid] = None) -> "SocialGraph":
@@ -130,26 +154,13 @@ class SocialGraph:
         InvalidGraph
             When the file is missing, cut short, none of these, of another version, or (with `grid`) of another map.
         """
-        source = os.fspath(path)
-        try:
-            with np.load(source, allow_pickle=False) as archive:
-                header = json.loads(str(archive["header"]))
-                edges = archive["edges"]
-            known = header["format"], header["version"]
-            digest, resolution = str(header["map"]), float(header["resolution"])
-        except OSError as error:
-            raise InvalidGraph(f"cannot be read: {error.strerror or error}", source=source) from error
-        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise InvalidGraph("is no social graph, or was cut short; learn it again", source=source) from error
-        if known != (FORMAT, VERSION):
-            raise InvalidGraph(f"is {known[0]!r} of version {known[1]}, not {FORMAT!r} of version {VERSION}; "
-                               "learn it again", source=source, field="version")
-        try:
-            graph = cls(edges, digest, resolution)
-            if grid is not None:
+        from social_fleet.planning.graph_files import read_graph
+        graph = read_graph(path)
+        if grid is not None:
+            try:
                 graph.check_map(grid)
-        except InvalidGraph as error:
-            raise InvalidGraph(error.message, source=source, field=error.field) from error
+            except InvalidGraph as error:
+                raise InvalidGraph(error.message, source=str(path), field=error.field) from error
         return graph
 
 

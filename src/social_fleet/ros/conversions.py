@@ -16,10 +16,12 @@ from std_msgs.msg import Header
 
 from social_fleet.coordination.robot import MotionLimits, Robot
 from social_fleet.coordination.schedule import EncounterWindow, Precedence, Schedule
-from social_fleet.errors import InvalidInput, InvalidMap, InvalidPose, InvalidScenario
+from social_fleet.errors import InvalidInput, InvalidMap, InvalidOverlay, InvalidPose, InvalidScenario
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid, Points
+from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Polygon, Rectangle, Shape
 from social_fleet.planning.plan import Plan
+from social_fleet.srv import AddOverlayRequest
 
 UNIT_TOLERANCE = 1e-2  # of a quaternion's norm: what clients round to, far from what they get wrong
 
@@ -156,6 +158,26 @@ def robot_from_planned_path(message: PlannedPath, frame: str) -> Robot:
     return _robot_from(message, frame, message.depart)
 
 
+def shape_from_request(request: AddOverlayRequest, frame: str, grid: OccupancyGrid) -> Shape:
+    """The obstacle in a request; raises UnknownFrame, or InvalidOverlay by its field."""
+    check_frame(request.header.frame_id, frame, f"the obstacle '{request.name}'")
+    x, y = request.pose.position.x, request.pose.position.y
+    if request.shape == AddOverlayRequest.DISC:
+        return DiscObstacle(x, y, request.radius)
+    if request.shape == AddOverlayRequest.RECTANGLE:
+        try:
+            yaw = _optional_yaw(request.pose.orientation, "rectangle") or 0.0
+        except InvalidPose as error:
+            raise InvalidOverlay(error.message, field="pose") from error
+        return Rectangle(x, y, request.width, request.height, yaw)
+    points = tuple((point.x, point.y) for point in request.points)
+    if request.shape == AddOverlayRequest.POLYGON:
+        return Polygon(points)
+    if request.shape == AddOverlayRequest.CELLS:
+        return Cells(points, grid.resolution)
+    raise InvalidOverlay(f"{request.shape} is none of AddOverlay's shapes", field="shape")
+
+
 def schedule_to_message(schedule: Schedule, frame: str, time_zero: genpy.Time) -> ScheduleMessage:
     """A schedule whose times count from `time_zero`."""
     message = ScheduleMessage(header=Header(stamp=time_zero, frame_id=frame), version=schedule.version,
@@ -211,14 +233,14 @@ def _robot_from(message: Any, frame: str, depart: float) -> Robot:
         raise InvalidScenario(f"'{message.robot}' is no robot's name: it must not be empty or start with a slash",
                               field="robot")
     return Robot(message.robot, points, message.max_speed, message.radius, depart,
-                 _optional_yaw(message.start_orientation, what), goal_yaw, **limits)
+                 _optional_yaw(message.start_orientation, f"start of the {what}"), goal_yaw, **limits)
 
 
 def _optional_yaw(quaternion: Quaternion, what: str) -> Optional[float]:
     """None for the all-zero quaternion, which is what a field holds that nobody set."""
     if quaternion == Quaternion():
         return None
-    return quaternion_to_yaw(quaternion, f"start of the {what}")
+    return quaternion_to_yaw(quaternion, what)
 
 
 def points_to_messages(points: Points) -> List[Point]:

@@ -1,18 +1,22 @@
 """What the planner node plans with: a planner per size of robot on one map, and one social graph for all of them."""
 
 import logging
+import threading
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.errors import InvalidGoal, InvalidGraph, InvalidInput, InvalidParameter
+from social_fleet.errors import InvalidGraph, InvalidParameter
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.parameters import from_mapping, parameter
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.heatmaps import Heatmaps
+from social_fleet.planning.fleet_routes import FleetRoutes
+from social_fleet.planning.graph_changes import adapted
 from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.overlaid import near_overlays
+from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.social_graph import SocialGraph, learn
@@ -65,7 +69,9 @@ def read_config(given: Mapping[str, Any], scenario: str, prefix: str) -> Tuple[P
 
 
 class PlanningFleet:
-    """Plans on one map for robots of any radius; counts the paths that the fleet plans.
+    """Plans on one map for robots of any radius; learns from the paths that the fleet plans.
+
+    `learn` may run in another thread than the rest; nothing that plans or counts waits for it.
 
     Parameters
     ----------
@@ -74,43 +80,56 @@ class PlanningFleet:
     config
         Of robots with `config.robot_radius`; for others all but the radius holds.
     graph_file
-        A social graph to begin with; empty for none. One of another map is left aside with an error in the log.
+        A social graph to begin with; empty for none. Of one of another map, what still holds is used, with a warning
+        in the log; one that cannot be used is left aside with an error in the log.
+    previous
+        What planned on the map before: its graph goes before the file, and its obstacles stay, as far as they still
+        hold.
     """
 
-    def __init__(self, grid: OccupancyGrid, config: PlannerConfig, graph_file: str = "") -> None:
+    def __init__(self, grid: OccupancyGrid, config: PlannerConfig, graph_file: str = "",
+                 previous: "Optional[PlanningFleet]" = None) -> None:
         self.grid = grid
-        self.graph: Optional[SocialGraph] = None
-        self.counted = 0
+        self.overlays = OverlaySet(grid)
         self._config = config
-        self._heatmaps = Heatmaps(grid.shape)
-        self._planners: Dict[float, SocialPlanner] = {}
-        if graph_file:
-            try:
-                self.graph = SocialGraph.load(resolve_path(graph_file), grid=grid)
-            except InvalidGraph as error:
-                log.error("the social graph is left aside: %s", error)
-        self.planner(config.robot_radius)
+        graph = None
+        if previous is not None:
+            self.overlays, lost = previous.overlays.moved_to(grid)
+            if lost:
+                log.warning("obstacles off the new map are forgotten: %s", ", ".join(lost))
+        if previous is not None and previous.graph is not None:
+            graph = self._brought_over(previous.graph, "the social graph of the map before")
+        elif graph_file:
+            graph = self._load(graph_file)
+        planner = SocialPlanner(grid, config, graph=graph)
+        self._routes = FleetRoutes(planner, self.overlays, graph=graph)
+        self._learnt_from = 0
+        self._lock = threading.Lock()  # of the planners by radius
+        self._planners: Dict[float, SocialPlanner] = {config.robot_radius: planner}
+
+    @property
+    def graph(self) -> Optional[SocialGraph]:
+        """The social graph in use."""
+        return self._routes.graph
+
+    @property
+    def counted(self) -> int:
+        """How many paths were counted, detours not among them."""
+        return self._routes.counted
 
     def plan(self, radius: float, start: Pose, goal: Pose, *, avoid: Sequence[Disc] = (),
              tolerance: float = 0.0) -> Plan:
-        """A plan whose end may be up to `tolerance` [m] from a `goal` that is blocked; raises as the planner does."""
-        if not (np.isfinite(tolerance) and tolerance >= 0.0):
-            raise InvalidInput(f"must be zero or more metres, not {tolerance}", field="tolerance")
-        planner = self.planner(radius)
-        try:
-            return planner.plan(start, goal, avoid=avoid)
-        except InvalidGoal:
-            if tolerance == 0.0:
-                raise
-            near = self._nearest_free(planner, goal, tolerance)
-            if near is None:
-                raise
-        return planner.plan(start, near, avoid=avoid)
+        """A plan round the obstacles, for a robot of `radius` [m]; see `SocialPlanner.plan`."""
+        return self.planner(radius).plan(start, goal, avoid=avoid, overlays=self.overlays, tolerance=tolerance)
 
-    def count(self, cells: np.ndarray) -> None:
-        """Add a path's cells (M, 2) to the heatmaps."""
-        self._heatmaps.add(cells)
-        self.counted += 1
+    def count(self, plan: Plan) -> None:
+        """Learn from a plan made here."""
+        self._routes.add(plan)
+
+    def count_path(self, points: np.ndarray, *, temporary: bool) -> None:
+        """Learn from a path (N, 2) [m] that was planned elsewhere; raises InvalidPose off the map."""
+        near = near_overlays(self.overlays.all, points, self._config.temporary_distance) if temporary else ()
+        self._routes.add_path(self.cells_of(points), temporary=temporary, obstacles=near)
 
     def cells_of(self, points: np.ndarray) -> np.ndarray:
         """The chain of neighbouring cells (M, 2) under a path (N, 2) [m]; raises InvalidPose off the map."""
@@ -119,33 +138,58 @@ class PlanningFleet:
         cells = self.grid.cells(path.position(np.linspace(0.0, path.length, steps + 1)))
         return cells[np.append(True, np.diff(cells, axis=0).any(axis=1))]
 
+    def has_to_learn(self, every: int) -> bool:
+        """Whether `every` paths were counted since the last time, or an obstacle has proven to be permanent."""
+        return self.counted - self._learnt_from >= every or bool(self._routes.due())
+
     def learn(self) -> None:
         """Extract the social graph from all paths counted so far; planners use it from now on."""
-        self._use(SocialGraph.extract(self._heatmaps, self._config.heatmap_threshold, self._config.min_component,
-                                      grid=self.grid), self.counted)
+        self._learnt_from = self.counted
+        for name in self._routes.learn():
+            log.warning("the obstacle '%s' counts as permanent: the routes go round it now", name)
+        self._use(self.counted)
 
     def learn_at_random(self, paths: int) -> None:
         """Learn the social graph from `paths` plans between random poses, always the same ones."""
-        self._use(learn(self.planner(self._config.robot_radius), paths=paths, seed=0), paths)
+        self._routes.take_over(learn(self.planner(self._config.robot_radius), paths=paths, seed=0))
+        self._use(paths)
 
-    def _use(self, graph: SocialGraph, paths: int) -> None:
-        self.graph = graph
-        for planner in self._planners.values():
+    def planner(self, radius: float) -> SocialPlanner:
+        """The planner for robots of `radius` [m]."""
+        with self._lock:
+            if radius not in self._planners:
+                config = replace(self._config, robot_radius=radius)
+                self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph)
+            return self._planners[radius]
+
+    def _use(self, paths: int) -> None:
+        """Hand the graph to all planners."""
+        graph = self.graph
+        assert graph is not None
+        with self._lock:
+            # Whoever is made after this begins with the new graph.
+            planners = list(self._planners.values())
+        for planner in planners:
             planner.graph = graph
         log.info("the social graph of %d paths has %d edges", paths, graph.edge_count)
 
-    def planner(self, radius: float) -> SocialPlanner:
-        if radius not in self._planners:
-            config = replace(self._config, robot_radius=radius)
-            self._planners[radius] = SocialPlanner(self.grid, config, graph=self.graph)
-        return self._planners[radius]
-
-    def _nearest_free(self, planner: SocialPlanner, goal: Pose, tolerance: float) -> Optional[Pose]:
-        """The free cell's centre nearest to `goal` and within `tolerance` of it, with the goal's heading."""
-        cells = np.argwhere(planner.space.free)
-        centres = self.grid.centres(cells)
-        distances = np.hypot(centres[:, 0] - goal.x, centres[:, 1] - goal.y)
-        nearest = int(np.argmin(distances)) if len(cells) else 0
-        if not len(cells) or not distances[nearest] <= tolerance:
+    def _load(self, graph_file: str) -> Optional[SocialGraph]:
+        try:
+            graph = SocialGraph.load(resolve_path(graph_file))
+        except InvalidGraph as error:
+            log.error("the social graph is left aside: %s", error)
             return None
-        return Pose(float(centres[nearest, 0]), float(centres[nearest, 1]), goal.yaw)
+        if graph.digest == self.grid.digest:
+            return graph
+        return self._brought_over(graph, f"the social graph {graph_file}")
+
+    def _brought_over(self, graph: SocialGraph, what: str) -> Optional[SocialGraph]:
+        """What still holds of a graph of another map; None when nothing does."""
+        try:
+            result = adapted(graph, self.grid)
+        except InvalidGraph as error:
+            log.error("%s is left aside: it %s", what, error.message)
+            return None
+        log.warning("%s was learnt on another map: %d of its edges still hold on this one, %d are dropped", what,
+                    result.kept, result.dropped)
+        return result.graph if result.kept else None

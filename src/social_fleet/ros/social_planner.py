@@ -2,27 +2,30 @@
 
 import threading
 from dataclasses import dataclass
-from typing import Optional, Sequence, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
-import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid as GridMessage, Path
 from nav_msgs.srv import GetPlan, GetPlanRequest, GetPlanResponse
 from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import Marker
 
-from social_fleet.errors import InvalidGoal, InvalidInput, InvalidStart, NotReady, SocialFleetError
+from social_fleet.errors import InvalidGoal, InvalidInput, InvalidOverlay, InvalidStart, NotReady, SocialFleetError
 from social_fleet.geometry import Pose
 from social_fleet.msg import PlannedPath
 from social_fleet.parameters import parameter
 from social_fleet.planning.overlay import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.ros import conversions, parameters
+from social_fleet.ros.background import BackgroundWork
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.markers import graph_marker
 from social_fleet.ros.planning_fleet import PlanningFleet, RobotEntry, read_config
-from social_fleet.ros.statuses import PLAN_STATUSES, status_of
-from social_fleet.srv import PlanPath, PlanPathRequest, PlanPathResponse
+from social_fleet.ros.statuses import OVERLAY_STATUSES, PLAN_STATUSES, status_of
+from social_fleet.srv import (AddOverlay, AddOverlayRequest, AddOverlayResponse, ClearOverlay, ClearOverlayRequest,
+                              ClearOverlayResponse, PlanPath, PlanPathRequest, PlanPathResponse)
+
+EXPIRY_PERIOD = 0.5  # [s, ROS time] between looks at which obstacles have expired, beside the one before every plan
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class SocialPlannerNode:
         fleet/paths (PlannedPath): every plan for a robot that the request names.
     Services
         ~plan_path (PlanPath), ~make_plan (nav_msgs/GetPlan).
+        ~add_overlay (AddOverlay), ~clear_overlay (ClearOverlay): obstacles that the map does not hold.
     Parameters
         `SocialPlannerParameters`; those of `PlannerConfig`, see config/planner.yaml; `robots`, a mapping of names to
         {radius, max_speed} for robots that differ from `robot_radius` and `max_speed`.
@@ -70,8 +74,13 @@ class SocialPlannerNode:
         self._paths = rospy.Publisher("fleet/paths", PlannedPath, queue_size=100)
         rospy.Subscriber("fleet/paths", PlannedPath, self._hear_path, queue_size=100)
         rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
+        self._learner = BackgroundWork(self._learn, "learning")
+        rospy.on_shutdown(self._learner.stop)
         self._services = [rospy.Service("~plan_path", PlanPath, self._serve_plan_path),
-                          rospy.Service("~make_plan", GetPlan, self._serve_make_plan)]
+                          rospy.Service("~make_plan", GetPlan, self._serve_make_plan),
+                          rospy.Service("~add_overlay", AddOverlay, self._serve_add_overlay),
+                          rospy.Service("~clear_overlay", ClearOverlay, self._serve_clear_overlay)]
+        self._timer = rospy.Timer(rospy.Duration(EXPIRY_PERIOD), self._expire, reset=True)
 
     def _hear_map(self, message: GridMessage) -> None:
         """Build what planning needs; requests wait meanwhile."""
@@ -80,9 +89,9 @@ class SocialPlannerNode:
                 grid = conversions.grid_from_message(message)
                 if self._fleet is not None and self._fleet.grid.digest == grid.digest:
                     return
-                self._fleet, self._frame, self._frames = None, "", None
-                fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file)
-                if self._config.learn_at_start:
+                previous, self._fleet, self._frame, self._frames = self._fleet, None, "", None
+                fleet = PlanningFleet(grid, self._planner_config, self._config.graph_file, previous)
+                if self._config.learn_at_start and fleet.graph is None:
                     fleet.learn_at_random(self._config.learn_at_start)
                 self._fleet = fleet
                 self._frame = conversions.frame_name(message.header.frame_id)
@@ -90,7 +99,7 @@ class SocialPlannerNode:
                 self._trouble = error
                 rospy.logerr("the map cannot be used: %s", error)
                 return
-            self._publish_graph()
+            self._publish_graph(fleet)
         rospy.loginfo("ready to plan on a map of %d x %d cells of %g m", grid.shape[1], grid.shape[0],
                       grid.resolution)
 
@@ -103,7 +112,8 @@ class SocialPlannerNode:
                 return
             try:
                 points, _ = conversions.path_from_message(message.path, self._frame, f"path of {message.robot}")
-                self._count(self._fleet.cells_of(points))
+                self._fleet.count_path(points, temporary=message.temporary)
+                self._learn_in_time(self._fleet)
             except InvalidInput as error:
                 rospy.logwarn_throttle(10.0, "a path was not learnt from: %s" % error)
 
@@ -116,8 +126,8 @@ class SocialPlannerNode:
             status = status_of(error, PLAN_STATUSES)
             rospy.loginfo("no path for robot '%s': %s", request.robot, error)
             return PlanPathResponse(status=status, message=str(error) or type(error).__name__)
-        return PlanPathResponse(status=PlanPathResponse.SUCCESS, path=message.path, length=plan.length,
-                                social_cost=plan.social_cost, planning_time=plan.search_time,
+        return PlanPathResponse(status=PlanPathResponse.SUCCESS, message=plan.message, path=message.path,
+                                length=plan.length, social_cost=plan.social_cost, planning_time=plan.search_time,
                                 temporary=plan.temporary)
 
     def _serve_make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
@@ -128,19 +138,57 @@ class SocialPlannerNode:
             rospy.logwarn_throttle(1.0, "make_plan: %s" % answer.message)
         return GetPlanResponse(plan=answer.path)
 
-    def _answer(self, request: PlanPathRequest, avoid: Sequence[Disc]) -> Tuple[Plan, PlannedPath]:
+    def _serve_add_overlay(self, request: AddOverlayRequest) -> AddOverlayResponse:
+        try:
+            with self._lock:
+                fleet = self._ready_fleet()
+                shape = conversions.shape_from_request(request, self._frame, fleet.grid)
+                fleet.overlays.add(request.name, shape, expires=_expiry(request.lifetime))
+        except Exception as error:
+            rospy.logwarn("the obstacle '%s' is not taken: %s", request.name, error)
+            return AddOverlayResponse(status=status_of(error, OVERLAY_STATUSES),
+                                      message=str(error) or type(error).__name__)
+        rospy.loginfo("plans go round the obstacle '%s'", request.name)
+        return AddOverlayResponse(status=AddOverlayResponse.SUCCESS)
+
+    def _serve_clear_overlay(self, request: ClearOverlayRequest) -> ClearOverlayResponse:
+        try:
+            with self._lock:
+                overlays = self._ready_fleet().overlays
+                cleared = (request.name,) if request.name else overlays.clear()
+                if request.name:
+                    overlays.remove(request.name)
+        except Exception as error:
+            return ClearOverlayResponse(status=status_of(error, OVERLAY_STATUSES),
+                                        message=str(error) or type(error).__name__)
+        rospy.loginfo("obstacles cleared: %s", ", ".join(cleared) or "none")
+        return ClearOverlayResponse(status=ClearOverlayResponse.SUCCESS, cleared=cleared)
+
+    def _expire(self, _: Any = None) -> None:
+        fleet = self._fleet
+        if fleet is not None:
+            for name in fleet.overlays.expire(rospy.Time.now().to_sec()):
+                rospy.loginfo("the obstacle '%s' has expired", name)
+
+    def _ready_fleet(self) -> PlanningFleet:
         if self._fleet is None:
             raise self._trouble
+        return self._fleet
+
+    def _answer(self, request: PlanPathRequest, avoid: Sequence[Disc]) -> Tuple[Plan, PlannedPath]:
+        fleet = self._ready_fleet()
+        self._expire()
         goal = conversions.pose_from_stamped(request.goal, self._frame, "goal", InvalidGoal)
         start = self._start(request)
         robot = self._robots.get(request.robot, self._any_robot)
-        plan = self._fleet.plan(robot.radius, start, goal, avoid=avoid, tolerance=request.tolerance)
+        plan = fleet.plan(robot.radius, start, goal, avoid=avoid, tolerance=request.tolerance)
         message = conversions.plan_to_planned_path(plan, request.robot, robot.max_speed, self._frame,
                                                    rospy.Time.now())
         self._plan.publish(message.path)
         if request.robot:
             self._paths.publish(message)
-            self._count(plan.cells)
+            fleet.count(plan)
+            self._learn_in_time(fleet)
         return plan, message
 
     def _start(self, request: PlanPathRequest) -> Pose:
@@ -152,15 +200,25 @@ class SocialPlannerNode:
         frame = "/".join(part for part in (request.robot, self._config.base_frame) if part)
         return self._frames.await_pose_of(frame, self._config.pose_patience)
 
-    def _count(self, cells: np.ndarray) -> None:
-        """Add a path to the heatmaps, and from time to time the heatmaps to the graph."""
-        assert self._fleet is not None
-        self._fleet.count(cells)
-        if self._config.learn_every and self._fleet.counted % self._config.learn_every == 0:
-            self._fleet.learn()
-            self._publish_graph()
+    def _learn_in_time(self, fleet: PlanningFleet) -> None:
+        """Have the graph extracted anew when enough has been counted."""
+        if self._config.learn_every and fleet.has_to_learn(self._config.learn_every):
+            self._learner.request()
 
-    def _publish_graph(self) -> None:
-        assert self._fleet is not None
-        if self._fleet.graph is not None:
-            self._graph.publish(graph_marker(self._fleet.graph, self._fleet.grid, self._frame, rospy.Time.now()))
+    def _learn(self) -> None:
+        """In a thread of its own, and without the lock that serves plans."""
+        fleet = self._fleet
+        if fleet is not None:
+            fleet.learn()
+            self._publish_graph(fleet)
+
+    def _publish_graph(self, fleet: PlanningFleet) -> None:
+        if fleet.graph is not None and fleet is self._fleet:
+            self._graph.publish(graph_marker(fleet.graph, fleet.grid, self._frame, rospy.Time.now()))
+
+
+def _expiry(lifetime: rospy.Duration) -> Optional[float]:
+    """When an obstacle that has come just now goes [s, ROS time]; None: not by itself."""
+    if lifetime < rospy.Duration(0):
+        raise InvalidOverlay(f"must be zero or more seconds, not {lifetime.to_sec():g}", field="lifetime")
+    return (rospy.Time.now() + lifetime).to_sec() if lifetime else None

@@ -6,7 +6,7 @@ from typing import Sequence, Tuple, Type
 from social_fleet.errors import (Infeasible, InvalidGoal, InvalidInput, InvalidMap, InvalidStart, NoPath, NotReady,
                                  SocialFleetError, SolverFailed, TimedOut)
 from social_fleet.ros.conversions import UnknownFrame
-from social_fleet.srv import CoordinateResponse, PlanPathResponse
+from social_fleet.srv import AddOverlayResponse, CoordinateResponse, PlanPathResponse
 
 _Table = Sequence[Tuple[Type[Exception], int]]
 
@@ -31,6 +31,14 @@ COORDINATE_STATUSES: _Table = (
     (NotReady, CoordinateResponse.NOT_INITIALIZED),
     (SocialFleetError, CoordinateResponse.FAILURE),
     (Exception, CoordinateResponse.INTERNAL_ERROR),
+)
+OVERLAY_STATUSES: _Table = (  # of AddOverlay and ClearOverlay, which have the same
+    (UnknownFrame, AddOverlayResponse.TF_ERROR),
+    (InvalidMap, AddOverlayResponse.MAP_ERROR),
+    (InvalidInput, AddOverlayResponse.INVALID_REQUEST),
+    (NotReady, AddOverlayResponse.NOT_INITIALIZED),
+    (SocialFleetError, AddOverlayResponse.FAILURE),
+    (Exception, AddOverlayResponse.INTERNAL_ERROR),
 )
 
 

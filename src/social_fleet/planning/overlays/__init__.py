@@ -1,0 +1,1 @@
+"""Obstacles that the map does not hold: their shapes, the set of those that are there, and plans round them."""
