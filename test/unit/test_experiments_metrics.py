@@ -8,7 +8,8 @@ from worlds import grid_from_text
 
 from social_fleet.errors import InvalidParameter
 from social_fleet.experiments.metrics import (heading_change, heading_change_per_metre, mean_wall_distance,
-                                              paper_wall_distance, predictability, right_distance, wall_samples)
+                                              median_wall_distance, paper_wall_distance, predictability,
+                                              right_distance, wall_samples)
 
 # 20 m by 6 m; the upper half has a block from x = 10 on.
 CORRIDOR = grid_from_text("""
@@ -75,10 +76,18 @@ def test_by_arc_length_all_of_the_way_counts():
     assert mean_wall_distance(samples) == pytest.approx(samples.near @ samples.lengths / samples.lengths.sum())
 
 
+def test_the_median_is_that_of_the_way():
+    assert median_wall_distance(wall_samples(CORRIDOR, EAST)) == pytest.approx(1.5)
+    # 2 m beside the block, where the wall is 0.5 m away, and 4 m where it is 2.5 m away.
+    samples = wall_samples(CORRIDOR, [(12.0, 2.5), (6.0, 2.5)])
+    assert median_wall_distance(samples) == pytest.approx(2.5)
+    assert mean_wall_distance(samples) == pytest.approx((2 * 0.5 + 4 * 2.5) / 6)
+
+
 def test_a_path_that_stands_still_has_no_distance():
     samples = wall_samples(CORRIDOR, [(2.0, 1.5)])
     assert len(samples.points) == 0
-    assert paper_wall_distance(samples) is None and mean_wall_distance(samples) is None
+    assert paper_wall_distance(samples) is mean_wall_distance(samples) is median_wall_distance(samples) is None
 
 
 def test_heading_change():
