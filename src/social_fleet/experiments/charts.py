@@ -12,7 +12,8 @@ from matplotlib.patches import Patch
 from social_fleet.scenario.pictures.colours import FAINT, INK
 from social_fleet.scenario.pictures.style import add_axes, new_figure
 
-PANEL = 3.6  # width of a panel [inch]
+PANEL = 3.6  # least width of a panel [inch]
+BAR = 0.28  # width of a bar that has room for its value [inch]
 LETTERS_PER_INCH = 16.0  # of a caption
 
 
@@ -39,7 +40,7 @@ def bar_chart(panels: Sequence[Bars], names: Mapping[str, str], colours: Mapping
         Of the series: what the legend calls it, and its colour.
     """
     groups = list(dict.fromkeys(panels[0].groups))
-    width = max(PANEL, 0.9 * len(groups))
+    width = max(PANEL, BAR * len(groups) * len(names))
     figure = new_figure(len(panels) * (width + 0.85) + 0.2, 4.6)
     for index, panel in enumerate(panels):
         axes = add_axes(figure, 0.75 + index * (width + 0.85), 0.6, width, 3.4)
@@ -62,8 +63,9 @@ def _draw_bars(axes: Axes, panel: Bars, groups: Sequence[str], series: Sequence[
         place = groups.index(group) + (series.index(name) - 0.5 * (len(series) - 1)) * bar
         if value is not None:
             axes.bar(place, value, 0.92 * bar, color=colours[name], zorder=2)
-            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, 2), textcoords="offset points", ha="center",
-                          va="bottom", fontsize=6.5, color=INK, zorder=4)
+            label = f"{value:.3g}" if value >= 0.1 else f"{value:.2g}"
+            axes.annotate(label, (place, value), xytext=(0, 2), textcoords="offset points", ha="center", va="bottom",
+                          fontsize=6.0, color=INK, zorder=4)
         if printed is not None:
             known[place] = printed
     if known:

@@ -3,6 +3,7 @@
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -18,11 +19,13 @@ from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import Position, random_pose_pairs
 from social_fleet.planning.social_graph import SocialGraph
 from social_fleet.scenario.pictures.colours import INK
+from social_fleet.scenario.pictures.map_layer import content_box, draw_map
 from social_fleet.scenario.pictures.style import halo
 
 EARLY = 0.6  # share of the paths after which the first panel is drawn: 150 of 250
 OBSTACLE_RADIUS = 0.8  # [m]
 OBSTACLE = "temporary obstacle"
+CLOSE = 5.0  # [m] about the obstacle that is shown enlarged
 LANE, DETOUR = "#0072B2", "#D55E00"
 
 
@@ -115,10 +118,27 @@ def _draw(world: World, stages: Sequence[Stage], place: Position, caption: str) 
         if stage.detours is not None:
             draw_edges(axes, world.grid, stage.detours, DETOUR, level=5.0)
             axes.add_patch(Circle(place, OBSTACLE_RADIUS, color=INK, zorder=8))
-            axes.annotate("obstacle", place, xytext=(14, 14), textcoords="offset points", fontsize=8, color=INK,
-                          zorder=9, path_effects=halo(), arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.8})
+            _draw_closely(axes, world, stage.graph, stage.detours, place)
         axes.set_title(f"({letter}) {stage.title}", fontsize=10, color=INK, loc="left")
     return figure
+
+
+def _draw_closely(axes: Axes, world: World, graph: SocialGraph, detours: EdgeCounts, place: Position) -> None:
+    """The obstacle and its surroundings, enlarged in the corner that is farthest from it."""
+    box = content_box(world.grid)
+    across, up = (0.05 if place[axis] > 0.5 * (box[axis] + box[axis + 2]) else 0.55 for axis in (0, 1))
+    near = (place[0] - CLOSE, place[1] - CLOSE, place[0] + CLOSE, place[1] + CLOSE)
+    inset = axes.inset_axes([across, up, 0.4, 0.4], zorder=10)
+    draw_map(inset, world.grid, near)
+    draw_edges(inset, world.grid, member_counts(graph), LANE, width=1.6)
+    draw_edges(inset, world.grid, detours, DETOUR, width=1.6, level=5.0)
+    inset.add_patch(Circle(place, OBSTACLE_RADIUS, color=INK, zorder=8))
+    inset.set(xlabel="", ylabel="", xticks=[], yticks=[])
+    inset.text(0.5, 0.04, f"about the obstacle, {2.0 * CLOSE:g} m wide", transform=inset.transAxes, fontsize=7.5,
+               color=INK, ha="center", va="bottom", zorder=12, path_effects=halo())
+    for spine in inset.spines.values():
+        spine.set(color=INK, linewidth=1.2)
+    axes.indicate_inset_zoom(inset, edgecolor=INK, alpha=1.0)
 
 
 def member_counts(graph: SocialGraph) -> EdgeCounts:

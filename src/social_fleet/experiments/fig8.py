@@ -58,11 +58,13 @@ def measure(world: World, trials: int, seed: int, progress: Progress) -> List[Ro
     for index, (paths, graph) in enumerate(graphs.items()):
         planner.graph = graph
         timing = time_pairs(planner, pairs, part(progress, index, len(graphs)))
+        found = ~np.isnan(timing.social_expanded + timing.shortest_expanded)
+        expanded = timing.social_expanded[found].sum(), timing.shortest_expanded[found].sum()
         rows.append({"map": world.name, "paths": paths, "edges": graph.edge_count,
                      "social_time": float(timing.social.mean()), "shortest_time": float(timing.shortest.mean()),
                      "time_ratio": float(timing.social.sum() / timing.shortest.sum()),
-                     "expanded_ratio": float(timing.social_expanded.sum() / timing.shortest_expanded.sum()),
-                     "failed": int(np.isnan(timing.social_expanded).sum())})
+                     "expanded_ratio": float(expanded[0] / expanded[1]) if expanded[1] > 0 else None,
+                     "failed": int((~found).sum())})
     return rows
 
 
