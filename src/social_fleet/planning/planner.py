@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+import zlib
 from dataclasses import replace
 from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -31,7 +32,6 @@ from social_fleet.planning.zones import Zone
 PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000
 RRT_STEP = 3.0  # [m]
-RRT_SEED = 0
 PREPARED_FROM = 100  # plans from which on it pays to prepare a planner for them
 
 
@@ -273,7 +273,7 @@ class SocialPlanner:
         """The path of RRT*, and a path over the lattice beside it."""
         everywhere = self.lattice.centres(np.arange(len(self.lattice)))
         vertices = rrt_star(ground, everywhere, (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1]),
-                            samples=RRT_SAMPLES, step=RRT_STEP / self.grid.resolution, seed=RRT_SEED)
+                            samples=RRT_SAMPLES, step=RRT_STEP / self.grid.resolution, seed=_seed(ends))
         if vertices is None:
             return None
         between = [reachable(self.lattice, ground, vertex, closed)[:1] for vertex in vertices[1:-1]]
@@ -297,6 +297,11 @@ class SocialPlanner:
         return NoPath(f"no path for a robot of radius {self.config.robot_radius:g} m with a margin of "
                       f"{self.config.wall_margin:g} m to walls from "
                       f"({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}){around}: {reason}")
+
+
+def _seed(ends: Sequence[np.ndarray]) -> int:
+    """A seed of RRT* of its own for every pair of ends, so that the trees of several pairs have nothing in common."""
+    return zlib.crc32(np.concatenate(ends).tobytes())
 
 
 def _nowhere(error: Union[InvalidGoal, NoPath], tolerance: float) -> Union[InvalidGoal, NoPath]:

@@ -1,5 +1,9 @@
 """RRT*: a sampling planner to compare with. It rewires until its budget is spent, not until its first solution.
 
+Samples are drawn from the free cells evenly. A new vertex takes the cheapest parent of its neighbourhood and becomes
+the parent of those that it makes cheaper; what they gain goes down to all their descendants. The neighbourhood shrinks
+as the tree grows, by the law that makes the method optimal in the limit.
+
 References
 ----------
 Karaman and Frazzoli, Sampling-based algorithms for optimal motion planning, IJRR 30(7), 2011.
@@ -14,7 +18,7 @@ from numba import njit
 from social_fleet.planning.chords import Ground, is_free
 
 GOAL_SHARE = 0.05  # of the samples are the goal itself
-PATIENCE = 5  # without a path after its budget the tree grows up to so many times as large
+PATIENCE = 25  # budgets after which a tree that has not found the goal is given up
 
 
 class Tree(NamedTuple):
@@ -44,7 +48,8 @@ def rrt_star(ground: Ground, free: np.ndarray, start: Tuple[float, float], goal:
     start, goal : (x, y)
         In cells along the grid's axes.
     samples : int
-        Budget.
+        Budget. A tree that needs more to find the goal gets it, up to PATIENCE times as many, and then as many again to
+        rewire.
     step : float
         Longest edge of the tree [cells].
     seed : int
@@ -55,12 +60,7 @@ def rrt_star(ground: Ground, free: np.ndarray, start: Tuple[float, float], goal:
     (N, 2) array or None
         Vertices in cells from start to goal; None when the tree did not reach the goal.
     """
-    rows, cols = ground.blocked.shape
-    size = PATIENCE * samples + 2
-    squares = (int(rows / step) + 1, int(cols / step) + 1)
-    tree = Tree(np.empty(size), np.empty(size), np.zeros(size), np.full(size, -1), np.full(size, -1),
-                np.full(size, -1), np.full(squares, -1), np.full(size, -1), step)
-    end = _grow(ground, tree, free, start, goal, samples, seed)
+    tree, _, end = grown(ground, free, start, goal, samples=samples, step=step, seed=seed)
     if end < 0:
         return None
     chain = [end]
@@ -70,23 +70,35 @@ def rrt_star(ground: Ground, free: np.ndarray, start: Tuple[float, float], goal:
     return points if tuple(points[-1]) == tuple(goal) else np.vstack([points, goal])
 
 
+def grown(ground: Ground, free: np.ndarray, start: Tuple[float, float], goal: Tuple[float, float], *,
+          samples: int, step: float, seed: int) -> Tuple[Tree, int, int]:
+    """The tree that `rrt_star` takes its path from, its number of vertices, and the last one before the goal or -1."""
+    rows, cols = ground.blocked.shape
+    size = 2 * PATIENCE * samples + 2
+    squares = (int(rows / step) + 1, int(cols / step) + 1)
+    # Filled as the tree grows, so that a small tree costs little.
+    x, y, cost = (np.empty(size) for _ in range(3))
+    parent, child, sibling, following = (np.empty(size, dtype=np.int32) for _ in range(4))
+    tree = Tree(x, y, cost, parent, child, sibling, np.full(squares, -1, dtype=np.int32), following, step)
+    count, end = _grow(ground, tree, free, start, goal, samples, PATIENCE * samples, seed)
+    return tree, count, end
+
+
 @njit(cache=True)
 def _grow(ground: Ground, tree: Tree, free: np.ndarray, start: Tuple[float, float], goal: Tuple[float, float],
-          samples: int, seed: int) -> int:
-    """Grow the tree; the vertex from which the goal is cheapest to reach in one edge, or -1."""
+          samples: int, limit: int, seed: int) -> Tuple[int, int]:
+    """Grow the tree; how many vertices it has, and from which the goal is cheapest to reach in one edge, or -1."""
     np.random.seed(seed)
     step = tree.square
     _insert(tree, 0, start[0], start[1], -1, 0.0)
     count = 1
     near = np.empty(len(tree.x), dtype=np.int64)
-    # Above the least factor that makes the method optimal in the limit.
-    gamma = 1.1 * 2.0 * math.sqrt(1.5 * len(free) / math.pi)
     reached = False
-    for sample in range(PATIENCE * samples):
-        if sample >= samples and reached:
-            break
+    sample, end = 0, limit
+    while sample < end:
+        sample += 1
         x, y = goal
-        if np.random.random() >= GOAL_SHARE:
+        if reached or np.random.random() >= GOAL_SHARE:
             cell = np.random.randint(len(free))
             x, y = free[cell, 0] + np.random.random() - 0.5, free[cell, 1] + np.random.random() - 0.5
         origin = _nearest(tree, x, y)
@@ -97,15 +109,26 @@ def _grow(ground: Ground, tree: Tree, free: np.ndarray, start: Tuple[float, floa
         x, y = tree.x[origin] + share * (x - tree.x[origin]), tree.y[origin] + share * (y - tree.y[origin])
         if not is_free(ground, tree.x[origin], tree.y[origin], x, y):
             continue
-        radius = min(gamma * math.sqrt(math.log(count + 1.0) / (count + 1.0)), step)
-        found = _within(tree, x, y, radius, near)
+        found = _within(tree, x, y, neighbourhood(count + 1, len(free), step), near)
         parent, cost = _best_parent(ground, tree, x, y, origin, near[:found])
         _insert(tree, count, x, y, parent, cost)
         _rewire(ground, tree, count, near[:found])
-        if not reached and math.hypot(goal[0] - x, goal[1] - y) <= step:
-            reached = is_free(ground, x, y, goal[0], goal[1])
         count += 1
-    return _best_end(ground, tree, goal, step, near)
+        if not reached and math.hypot(goal[0] - x, goal[1] - y) <= step and is_free(ground, x, y, goal[0], goal[1]):
+            reached = True
+            end = max(samples, 2 * sample)
+    return count, _best_end(ground, tree, goal, step, near)
+
+
+@njit(cache=True)
+def neighbourhood(count: int, area: float, step: float) -> float:
+    """Radius within which a tree of `count` vertices in `area` square cells of free space rewires [cells].
+
+    gamma (log n / n)^(1/2), at most `step`; gamma is a tenth above 2 (1 + 1/2)^(1/2) (area / pi)^(1/2), which Karaman
+    and Frazzoli show to be enough.
+    """
+    gamma = 1.1 * 2.0 * math.sqrt(1.5 * area / math.pi)
+    return min(gamma * math.sqrt(math.log(count) / count), step)
 
 
 @njit(cache=True)
@@ -123,6 +146,7 @@ def _best_end(ground: Ground, tree: Tree, goal: Tuple[float, float], step: float
 @njit(cache=True)
 def _insert(tree: Tree, v: int, x: float, y: float, parent: int, cost: float) -> None:
     tree.x[v], tree.y[v], tree.cost[v] = x, y, cost
+    tree.parent[v] = tree.child[v] = tree.sibling[v] = -1
     row, col = int(y / tree.square), int(x / tree.square)
     tree.following[v] = tree.first[row, col]
     tree.first[row, col] = v
