@@ -49,6 +49,7 @@ class Figure7(Experiment):
     def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
         world = worlds[0]
         planner = SocialPlanner(world.grid, PlannerConfig(promotion_threshold=0))  # detours stay detours
+        planner.prepare()
         overlays = OverlaySet(world.grid)
         routes = FleetRoutes(planner, overlays)
         early = max(int(round(EARLY * trials)), 1)

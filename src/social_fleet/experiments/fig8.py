@@ -52,6 +52,7 @@ class Figure8(Experiment):
 def measure(world: World, trials: int, seed: int, progress: Progress) -> List[Row]:
     """A row for every size of the graph."""
     planner = SocialPlanner(world.grid)
+    planner.prepare()
     pairs = random_pose_pairs(planner, trials, seed=seed)
     graphs = _graphs(planner, seed + 1)
     rows = []

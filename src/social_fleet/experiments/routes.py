@@ -43,6 +43,7 @@ class PredictabilityOfRoutes(Experiment):
 def measure(world: World, trials: int, seed: int, progress: Progress) -> List[Row]:
     """A row per method."""
     planner = SocialPlanner(world.grid)
+    planner.prepare()
     pairs = random_pose_pairs(planner, trials, seed=seed)
     solved: Dict[str, Trials] = solve(planner, pairs, list(METHODS), part(progress, 0, 2))
     planner.graph = learn(planner, paths=LEARNT, seed=seed + 1,

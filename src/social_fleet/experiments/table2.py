@@ -30,6 +30,7 @@ class Table2(Experiment):
         rows: List[Row] = []
         for index, world in enumerate(worlds):
             planner = SocialPlanner(world.grid)
+            planner.prepare()
             pairs = random_pose_pairs(planner, trials, seed=seed)
             solved = solve(planner, pairs, list(METHODS), part(progress, index, len(worlds)))
             rows += rows_of(world, solved)
