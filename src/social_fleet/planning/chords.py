@@ -86,13 +86,12 @@ def _distance(px: float, py: float, x0: float, y0: float, x1: float, y1: float) 
 
 
 @njit(cache=True)
-def _waived(row: np.ndarray, col: np.ndarray, exempt: np.ndarray, exempt_squared: float, node: int, other: int) -> bool:
-    """Whether the social cost of the edge between two nodes is waived."""
+def _waived(exempt: np.ndarray, exempt_squared: float, row: int, col: int) -> bool:
+    """Whether the social cost of edges at a cell is waived."""
     for e in range(len(exempt)):
-        for n in (node, other):
-            drow, dcol = row[n] - exempt[e, 0], col[n] - exempt[e, 1]
-            if drow * drow + dcol * dcol <= exempt_squared:
-                return True
+        drow, dcol = row - exempt[e, 0], col - exempt[e, 1]
+        if drow * drow + dcol * dcol <= exempt_squared:
+            return True
     return False
 
 
@@ -100,32 +99,51 @@ def _waived(row: np.ndarray, col: np.ndarray, exempt: np.ndarray, exempt_squared
 def chain_cost(prices: Prices, node: int, goal: int, budget: float) -> Tuple[float, float]:
     """Length and social cost of the digital line between two nodes; infinite where it breaks or passes `budget`."""
     # Arrays of a named tuple cost reference counting at every access, so they are taken out of it once.
-    row, col, up, down, edges, lengths = prices.links
-    prices_of, exempt = prices.social, prices.exempt
-    drow, dcol = row[goal] - row[node], col[goal] - col[node]
+    rows, cols, up, down, edges, lengths = prices.links
+    prices_of, exempt, exempt_squared = prices.social, prices.exempt, prices.exempt_squared
+    row, col = int(rows[node]), int(cols[node])
+    drow, dcol = int(rows[goal]) - row, int(cols[goal]) - col
     steps, minor = max(abs(drow), abs(dcol)), min(abs(drow), abs(dcol))
     straight, diagonal = _line_headings(drow, dcol)
+    towards_row, towards_col = np.sign(drow), np.sign(dcol)
+    along_row = abs(drow) > abs(dcol)
     length, social = 0.0, 0.0
     error = steps // 2
+    waived = _waived(exempt, exempt_squared, row, col)
     for _ in range(steps):
         error -= minor
         heading = straight
-        if error < 0:
+        is_diagonal = error < 0
+        if is_diagonal:
             heading = diagonal
             error += steps
         if not edges[node] >> heading & 1:
             return np.inf, np.inf
-        if heading == 0 or heading == 4:
-            other = node + 1 if heading == 0 else node - 1
-        else:
-            other = up[node] + 2 - heading if heading < 4 else down[node] + heading - 6
+        price = prices_of[node, heading]
+        node = _step(up, down, node, heading)
+        if is_diagonal or along_row:
+            row += towards_row
+        if is_diagonal or not along_row:
+            col += towards_col
         length += lengths[heading]
-        if not _waived(row, col, exempt, prices.exempt_squared, node, other):
-            social += prices_of[node, heading]
+        before, waived = waived, _waived(exempt, exempt_squared, row, col)
+        if not (before or waived):
+            social += price
         if length + social > budget:
             return np.inf, np.inf
-        node = other
     return length, social
+
+
+@njit(cache=True)
+def _step(up: np.ndarray, down: np.ndarray, node: int, heading: int) -> int:
+    """`lattice.neighbour` with bare arrays."""
+    if heading == 0:
+        return node + 1
+    if heading == 4:
+        return node - 1
+    if heading < 4:
+        return up[node] + 2 - heading
+    return down[node] + heading - 6
 
 
 @njit(cache=True)
@@ -143,7 +161,7 @@ def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray,
     """Cost of the straight chord between two points of a path, infinite where it may not replace what lies between.
 
     `paid` is the cost of the path up to each point. The chord may be dearer than what it replaces by `slack` [m], by
-    twice as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where the
+    four times as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where the
     cost reaches `limit`.
     """
     x0, y0, x1, y1 = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
@@ -152,7 +170,7 @@ def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray,
     if cost >= limit or not _has_room(ground, x0, y0, x1, y1):
         return np.inf
     if slack >= 0.0:
-        share = 2.0 if i == 0 or j == len(points) - 1 else 1.0
+        share = 4.0 if i == 0 or j == len(points) - 1 else 1.0
         # A cell's width of slack lets a short staircase become a line.
         budget = paid[j] - paid[i] + share * slack + ground.resolution
         # The digital line is longer than the chord by 8.3 % at most.
