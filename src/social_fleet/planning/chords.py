@@ -161,8 +161,8 @@ def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray,
     """Cost of the straight chord between two points of a path, infinite where it may not replace what lies between.
 
     `paid` is the cost of the path up to each point. The chord may be dearer than what it replaces by `slack` [m], by
-    four times as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where the
-    cost reaches `limit`.
+    four times as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where
+    the cost reaches `limit`.
     """
     x0, y0, x1, y1 = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
     length = math.hypot(x1 - x0, y1 - y0) * ground.resolution
