@@ -316,3 +316,25 @@ def test_a_random_scenario_runs(capsys: pytest.CaptureFixture, folder: Path) -> 
 def test_too_many_random_robots_are_refused(capsys: pytest.CaptureFixture) -> None:
     assert "no room for 500 robots" in refused(capsys, "random-scenario", "--map", "hall.yaml", "--robots", "500",
                                                "--out", "r.yaml")
+
+
+ZONES = "zones: [{name: hall, polygon: [[0, 0], [14, 0], [14, 10], [0, 10]], side: none}]"
+TRIP = ("plan", "--map", "hall.yaml", "--start", "2", "5", "--goal", "12", "5")
+
+
+def test_zones_beside_the_map_count_unless_none_are_wanted(capsys: pytest.CaptureFixture) -> None:
+    config = ["--config", "c.yaml"]
+    Path("c.yaml").write_text("exemption_radius: 0.0\n")
+    assert run_json(capsys, *TRIP, *config)["social_cost"] > 0.0
+    Path("hall.zones.yaml").write_text(ZONES)
+    assert run_json(capsys, *TRIP, *config)["social_cost"] == 0.0
+    assert run_json(capsys, *TRIP, *config, "--zones", "none")["social_cost"] > 0.0
+    os.rename("hall.zones.yaml", "other.yaml")
+    assert run_json(capsys, *TRIP, *config, "--zones", "other.yaml")["social_cost"] == 0.0
+
+
+def test_a_zone_or_norm_that_is_wrong_is_named_with_its_file(capsys: pytest.CaptureFixture) -> None:
+    Path("hall.zones.yaml").write_text(ZONES.replace("[14, 10], [0, 10]", "[0, 10], [14, 10]"))
+    assert refused(capsys, *TRIP).startswith("error: hall.zones.yaml: zones[0].polygon: ")
+    Path("c.yaml").write_text("norm: own_norms.Missing\n")
+    assert refused(capsys, *TRIP, "--config", "c.yaml", "--zones", "none").startswith("error: c.yaml: norm: ")

@@ -34,6 +34,12 @@ def test_a_file_is_read(tmp_path):
     assert (config.side, config.w_right, config.w_buf) == ("none", 0.5, 7.0)
 
 
+def test_a_side_goes_before_a_norm_that_holds_elsewhere():
+    own = PlannerConfig(norm="own_norms.KeepOff")
+    assert Zone("east", EAST_HALF, {"side": "left"}).config(own).norm is None
+    assert Zone("east", EAST_HALF, {"w_right": 2.0}).config(own).norm == "own_norms.KeepOff"
+
+
 @pytest.mark.parametrize("text, field", [
     ("[]", "zones"), ("zones: 3", "zones"), ("zones: []\nplaces: []", "places"),
     ("zones: [3]", "zones[0]"), ("zones: [{polygon: [[0, 0], [1, 0], [1, 1]]}]", "zones[0].name"),
@@ -44,6 +50,7 @@ def test_a_file_is_read(tmp_path):
     ("zones: [{name: a, polygon: [[0, 0], [1, 0], [1, 1]], side: up}]", "zones[0].side"),
     ("zones: [{name: a, polygon: [[0, 0], [1, 0], [1, 1]], w_right: -1}]", "zones[0].w_right"),
     ("zones: [{name: a, polygon: [[0, 0], [1, 0], [1, 1]], w_right: much}]", "zones[0].w_right"),
+    ("zones: [{name: a, polygon: [[0, 0], [1, 0], [1, 1]], norm: own_norms.Missing}]", "zones[0].norm"),
     ("zones: [{name: a, polygon: [[0, 0], [1, 0], [1, 1]], robot_radius: 1.0}]", "zones[0].robot_radius"),
 ])
 def test_what_is_wrong_is_named_by_file_and_field(tmp_path, text, field):

@@ -35,7 +35,7 @@ class PlannerConfig:
     two_lane_width: Optional[float] = parameter(None, minimum=0.0)  # from here on lanes [m]; None: 4 radii + 0.3
     exemption_radius: float = parameter(2.0, minimum=0.0)  # no social cost so near to start and goal [m]
     epsilon: float = parameter(0.01, minimum=0.0)  # Eq. 4, extra cost of a step off the social graph [m]
-    smoothing_bound: float = parameter(0.3, minimum=0.0)  # share of a path's cost that one chord may cost more
+    smoothing_bound: float = parameter(0.2, minimum=0.0)  # share of a path's cost that one chord may cost more
     corner_radius: float = parameter(0.8, minimum=0.0)  # largest radius of a rounded corner [m]; 0: sharp corners
     heatmap_threshold: int = parameter(1, minimum=0)  # paths that an edge of the social graph has to exceed
     min_component: int = parameter(15, minimum=1)  # smallest number of nodes of a part of the social graph

@@ -125,7 +125,7 @@ class KeepSide(Norm):
 
     def _narrow(self, width: np.ndarray) -> np.ndarray:
         """1 in corridors of up to twice the width of two lanes, falling to 0 at four times."""
-        return np.clip(2.0 - 0.5 * width / self._config.fade_widths[1], 0.0, 1.0)
+        return np.clip(2.0 - 0.5 * width / max(self._config.fade_widths[1], 1e-6), 0.0, 1.0)
 
     def _guided(self, far: np.ndarray) -> np.ndarray:
         """1 beside a far wall, falling to 0 where that is an open area away too and no wall guides at all."""

@@ -14,6 +14,7 @@ from social_fleet.planning.chords import Ground, Prices, candidates_of, drop_nee
 from social_fleet.planning.corners import merge_bends, round_corners
 
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
+UNEVEN = 0.1  # [m] by which what is one straight piece may stray from a line on fine grids
 SPACING = 1.0  # [m] between places where a chord may end
 VERTEX_COST = 0.1  # [m] that a vertex is worth, so that chords come out long
 TURN_COST = 1.5  # [m/rad] that a turn is worth at least
@@ -28,6 +29,7 @@ ARC_STEP = 0.15  # [m] between vertices on an arc
 SHARP = math.radians(20.0)  # a turn for which a robot stops
 JOG = 0.4  # [m] below which a side beside a sharp turn belongs to a jog
 JOG_MARGIN = 1.0  # [m] of the path beside a jog that is looked at again
+MOST_MENDING = 60  # points that are looked at again, or hardly more
 NARROW_REACH = 1.0  # [m] of a chord that may use up some of the margin
 SHORT_SIDE = 0.8  # [m] below which two turns of the same sense become one
 
@@ -76,7 +78,8 @@ def _smooth(points: np.ndarray, nodes: np.ndarray, paid: np.ndarray, bound: floa
         slack = min(bound * paid[-1], MOST_SLACK)
         # A long way leaves room for gentle lane changes; a short one would consist of them.
         turn_cost = min(max(paid[-1] - SHORT_WAY, TURN_COST), STEADY_TURN_COST)
-    candidates = candidates_of(ground, prices, points, nodes, paid, STAIRCASE, SPACING / resolution, slack)
+    tolerance = max(STAIRCASE, UNEVEN / resolution)
+    candidates = candidates_of(ground, prices, points, nodes, paid, tolerance, SPACING / resolution, slack)
     chosen = pull(ground, prices, points, nodes, paid, candidates, slack, VERTEX_COST, turn_cost, REACH, PATIENCE,
                   radius, 0.0)
     chosen = drop_needless(ground, prices, points, nodes, paid, chosen, slack, VERTEX_COST, turn_cost)
@@ -97,7 +100,8 @@ def _around(chosen: np.ndarray, first: int, last: int, margin: int) -> np.ndarra
     """Candidates to mend a jog: the vertices `first` and `last`, and all points up to `margin` from those between."""
     low, high = chosen[first], chosen[last]
     near = np.arange(max(low + 1, chosen[first + 1] - margin), min(high, chosen[last - 1] + margin + 1))
-    return np.concatenate((np.array([low]), near, np.array([high])))
+    # Where jogs follow one another over a long stretch, some of its points will do.
+    return np.concatenate((np.array([low]), near[::1 + len(near) // MOST_MENDING], np.array([high])))
 
 
 @njit(cache=True, nogil=True)

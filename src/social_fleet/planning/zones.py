@@ -62,8 +62,9 @@ class Zone:
         PlannerConfig.from_mapping(self.overrides)
 
     def config(self, config: PlannerConfig) -> PlannerConfig:
-        """`config` as it is within the zone."""
-        return replace(config, **self.overrides)
+        """`config` as it is within the zone; a side goes before a norm of one's own that holds elsewhere."""
+        changes = {"norm": None, **self.overrides} if "side" in self.overrides else self.overrides
+        return replace(config, **changes)
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """Which of the points (N, 2) [m, map frame] lie within."""
@@ -96,7 +97,9 @@ def _read(entry: Any, where: str, source: str) -> Zone:
             raise InvalidParameter("is missing", source=source, field=f"{where}.{key}")
     overrides = {str(key): value for key, value in entry.items() if key not in ("name", "polygon")}
     try:
-        return Zone(entry["name"], entry["polygon"], overrides)
+        zone = Zone(entry["name"], entry["polygon"], overrides)
+        norm_of(zone.config(PlannerConfig()))  # a class that cannot be had is better named with its file
+        return zone
     except InvalidParameter as error:
         raise InvalidParameter(error.message, source=source, field=f"{where}.{error.field}") from error
 

@@ -1,0 +1,1 @@
+"""The pictures of doc/planning.md, drawn by tools/draw_pictures."""
