@@ -36,9 +36,9 @@ def run(args: argparse.Namespace) -> int:
     check_folder(args.name, args.out)
     experiment = experiment_named(args.name)
     worlds = experiment.worlds(args.map, only=args.only)
-    with progress(100.0, args.name, "%") as update:
+    with progress(100, args.name, "%") as update:
         result = experiment.run(worlds, trials=args.trials or experiment.trials, seed=args.seed,
-                                progress=lambda share: update(100.0 * share))
+                                progress=lambda share: update(round(100.0 * share)))
     paths = write_result(result, args.out)
     show(args, result.to_dict() if args.json else None, [*summary(result.rows), *written(*paths)])
     return 0
