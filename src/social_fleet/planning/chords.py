@@ -161,7 +161,7 @@ def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray,
     """Cost of the straight chord between two points of a path, infinite where it may not replace what lies between.
 
     `paid` is the cost of the path up to each point. The chord may be dearer than what it replaces by `slack` [m], by
-    four times as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where
+    three times as much at the path's first and last point; a negative `slack` asks for length alone. Infinite too where
     the cost reaches `limit`.
     """
     x0, y0, x1, y1 = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
@@ -170,7 +170,7 @@ def chord(ground: Ground, prices: Prices, points: np.ndarray, nodes: np.ndarray,
     if cost >= limit or not _has_room(ground, x0, y0, x1, y1):
         return np.inf
     if slack >= 0.0:
-        share = 4.0 if i == 0 or j == len(points) - 1 else 1.0
+        share = 3.0 if i == 0 or j == len(points) - 1 else 1.0
         # A cell's width of slack lets a short staircase become a line.
         budget = paid[j] - paid[i] + share * slack + ground.resolution
         # The digital line is longer than the chord by 8.3 % at most.
