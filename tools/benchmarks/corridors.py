@@ -11,11 +11,11 @@ from social_fleet.simulation.lidar import cast_rays
 DIRECTIONS = 90  # looked at in half a turn
 WIDTHS = (1.5, 5.0)  # [m]
 TURNS = 3  # directions to either side in which it must not be narrower
-EVENNESS = 1.3  # where it is so many times as wide as where it was found, there is an opening
+EVENNESS = 1.5  # where it is so many times as wide as where it was found, there is an opening
 NARROWEST = 0.4  # [m] from the centre line to a wall
 SHORTEST = 8.0  # [m]
 LONGEST_OPENING = 2.0  # [m] without a wall, such as a door
-WALLED = 0.75  # share of the length with a wall on both sides, at least
+WALLED = 0.6  # share of the length with a wall on both sides, at least
 STEP = 0.1  # [m] along a corridor; less than a wall is thick, so that no door is missed
 INSET = 1.0  # [m] from where it ends to where robots start
 SPACING = 0.5  # [m] between the places where one may be found

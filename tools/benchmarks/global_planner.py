@@ -79,19 +79,20 @@ def _alone(name: str, kind: str, pairs: Pairs) -> float:
 
 def _theirs(variant: str, parameters: Dict[str, Any], pairs: Pairs, say: Callable[[str], None]) -> float:
     """global_planner through its make_plan [s]."""
+    import roslib.message
     import rospy
-    from navfn.srv import MakeNavPlan
     rospy.set_param("/global_planner", {"costmap": COSTMAP, "planner": parameters})
+    make_nav_plan = roslib.message.get_service_class("navfn/MakeNavPlan")
     with running("rosrun", "global_planner", "planner", "__name:=global_planner"):
         rospy.wait_for_service("/global_planner/make_plan", LIMIT)
-        call = rospy.ServiceProxy("/global_planner/make_plan", MakeNavPlan)
+        call = rospy.ServiceProxy("/global_planner/make_plan", make_nav_plan)
 
         def found(start: Any, goal: Any) -> bool:
             return bool(call(_pose(start), _pose(goal)).plan_found)
 
         wait_for(lambda: found(*pairs[0]))
         time.sleep(SETTLING)
-        call = rospy.ServiceProxy("/global_planner/make_plan", MakeNavPlan, persistent=True)
+        call = rospy.ServiceProxy("/global_planner/make_plan", make_nav_plan, persistent=True)
         seconds, count = _mean(found, pairs)
     say(f"global_planner {variant}: {count} of {len(pairs)} pairs found, and those alone counted")
     return seconds

@@ -143,7 +143,7 @@ def chord(ground: Ground, radius: float, prices: Prices, points: np.ndarray, nod
     """Cost of the straight chord between two points of a path, infinite where it may not replace what lies between.
 
     A disc of `radius` [cells] has to fit along it. `paid` is the cost of the path up to each point. The chord may be
-    dearer than what it replaces by `slack` [m], by four times as much at the path's first and last point; a negative
+    dearer than what it replaces by `slack` [m], by three times as much at the path's first and last point; a negative
     `slack` asks for length alone. Infinite too where the cost reaches `limit`.
     """
     _, clearance, resolution, _, _ = ground
@@ -153,7 +153,7 @@ def chord(ground: Ground, radius: float, prices: Prices, points: np.ndarray, nod
     if cost >= limit or not _has_room(clearance, (radius - 1.0) * resolution, x0, y0, x1, y1):
         return np.inf
     if slack >= 0.0:
-        share = 4.0 if i == 0 or j == len(points) - 1 else 1.0
+        share = 3.0 if i == 0 or j == len(points) - 1 else 1.0
         # A cell's width of slack lets a short staircase become a line.
         budget = paid[j] - paid[i] + share * slack + resolution
         # The digital line is longer than the chord by 8.3 % at most.
