@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Polygon, Rectangle
     from social_fleet.planning.plan import Plan
     from social_fleet.planning.planner import SocialPlanner
-    from social_fleet.planning.social_graph import SocialGraph
+    from social_fleet.planning.routes.social_graph import SocialGraph
     from social_fleet.scenario.files import load_scenario, save_scenario
     from social_fleet.scenario.scenario import Scenario
 
@@ -47,7 +47,7 @@ _HOMES = {
     "planning.overlays.shapes": ("Cells", "DiscObstacle", "Polygon", "Rectangle"),
     "planning.plan": ("Plan",),
     "planning.planner": ("SocialPlanner",),
-    "planning.social_graph": ("SocialGraph",),
+    "planning.routes.social_graph": ("SocialGraph",),
     "scenario.files": ("load_scenario", "save_scenario"),
     "scenario.scenario": ("Scenario",),
 }

@@ -7,7 +7,8 @@ import pytest
 from worlds import grid_from_text
 
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground, Prices, candidates_of, chain_cost, drop_needless, is_free, pull
+from social_fleet.planning.driven_path.chords import (
+    Ground, Prices, candidates_of, chain_cost, drop_needless, is_free, pull)
 from social_fleet.planning.lattice import Lattice, fitting_radius
 
 NO_DISCS = np.zeros((0, 3))

@@ -7,8 +7,8 @@ import pytest
 from worlds import grid_from_text
 
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground
-from social_fleet.planning.corners import merge_bends, round_corners
+from social_fleet.planning.driven_path.chords import Ground
+from social_fleet.planning.driven_path.corners import merge_bends, round_corners
 from social_fleet.planning.lattice import fitting_radius
 
 

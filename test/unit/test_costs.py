@@ -10,9 +10,9 @@ from social_fleet.errors import InvalidParameter
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.walls import wall_distances
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.costs import edge_costs, walls_beside
 from social_fleet.planning.lattice import Lattice
-from social_fleet.planning.norms import HeadingCost, Norm, norm_of
+from social_fleet.planning.social_cost.costs import edge_costs, walls_beside
+from social_fleet.planning.social_cost.norms import HeadingCost, Norm, norm_of
 
 EAST, NORTH, WEST, SOUTH = 0, 2, 4, 6
 

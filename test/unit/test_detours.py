@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from social_fleet.planning.detours import Detours
-from social_fleet.planning.heatmaps import EdgeCounts
 from social_fleet.planning.overlays.shapes import DiscObstacle
+from social_fleet.planning.routes.detours import Detours
+from social_fleet.planning.routes.heatmaps import EdgeCounts
 
 SHAPE = (4, 5)
 CART, BOX = DiscObstacle(1.0, 1.0, 0.5), DiscObstacle(3.0, 1.0, 0.5)

@@ -8,10 +8,10 @@ from worlds import grid_from_text
 
 from social_fleet.errors import InvalidGoal, InvalidStart
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground
+from social_fleet.planning.driven_path.chords import Ground
 from social_fleet.planning.ends import checked_position, joined, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 
 SPACE = ConfigurationSpace(grid_from_text("""
     ............

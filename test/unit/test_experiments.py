@@ -21,9 +21,9 @@ from social_fleet.experiments.metrics import right_distance
 from social_fleet.experiments.table2 import rows_of
 from social_fleet.experiments.trials import METHODS, Trials, attempt, mean_and_std, solve, solved_by_all
 from social_fleet.mapping.files import save_map
-from social_fleet.planning.fleet_routes import FleetRoutes
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.planner import SocialPlanner
+from social_fleet.planning.routes.fleet_routes import FleetRoutes
 from social_fleet.scenario.pictures.style import new_figure
 
 # A ring of corridors 3 m wide about a block of 10 m by 4 m, in cells of half a metre.

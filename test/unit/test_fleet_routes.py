@@ -14,13 +14,13 @@ from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.files import load_map
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.fleet_routes import FleetRoutes
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.overlays.raster import drawn_on
 from social_fleet.planning.overlays.shapes import DiscObstacle, Rectangle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.planning.social_graph import SocialGraph, learn
+from social_fleet.planning.routes.fleet_routes import FleetRoutes
+from social_fleet.planning.routes.social_graph import SocialGraph, learn
 
 HALL = grid_from_text("\n".join(["#" * 60] + ["#" + "." * 58 + "#"] * 20 + ["#" * 60]), 0.2)
 CONFIG = PlannerConfig(heatmap_threshold=1, min_component=2, promotion_threshold=3, temporary_distance=1.0)

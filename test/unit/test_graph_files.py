@@ -10,9 +10,9 @@ import pytest
 from social_fleet.errors import InvalidGraph
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning.graph_files import VERSION, write_graphml
-from social_fleet.planning.heatmaps import Heatmaps
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.graph_files import VERSION, write_graphml
+from social_fleet.planning.routes.heatmaps import Heatmaps
+from social_fleet.planning.routes.social_graph import SocialGraph
 
 GRID = OccupancyGrid(np.zeros((6, 20), dtype=np.int8), 0.5, Pose(3.0, -1.0, 0.5))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from social_fleet.errors import InvalidInput
-from social_fleet.planning.heatmaps import MOST, EdgeCounts, Heatmaps, edges_of, headings_of
+from social_fleet.planning.routes.heatmaps import MOST, EdgeCounts, Heatmaps, edges_of, headings_of
 
 EAST, NORTH_EAST, WEST = 0, 1, 4
 

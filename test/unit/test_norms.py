@@ -7,8 +7,8 @@ from worlds import grid_from_text
 
 from social_fleet.errors import InvalidParameter
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.norms import KeepSide, NoNorm, norm_of
 from social_fleet.planning.planner import SocialPlanner
+from social_fleet.planning.social_cost.norms import KeepSide, NoNorm, norm_of
 
 EAST, NORTH, WEST, SOUTH = 0, 2, 4, 6
 CONFIG = PlannerConfig(robot_radius=0.25, standoff=0.35, open_area=7.0, lane_pull=2.0, buffer_distance=4.0)

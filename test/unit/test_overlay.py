@@ -8,7 +8,7 @@ import pytest
 from social_fleet.errors import InvalidParameter
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning.overlay import Disc, covered_nodes, local_discs
+from social_fleet.planning.overlays.discs import Disc, covered_nodes, local_discs
 
 NODES = np.arange(400, dtype=np.int32).reshape(20, 20)
 

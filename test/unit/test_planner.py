@@ -11,7 +11,7 @@ from social_fleet.errors import InvalidGoal, InvalidParameter, InvalidStart, NoP
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
 

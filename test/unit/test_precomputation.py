@@ -7,10 +7,11 @@ import pytest
 from worlds import grid_from_text
 
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning import cache, precomputation
+from social_fleet.planning import cache
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.lattice import Lattice
-from social_fleet.planning.norms import NoNorm
+from social_fleet.planning.social_cost import precomputation
+from social_fleet.planning.social_cost.norms import NoNorm
 
 GRID = grid_from_text("\n".join(["#" * 40, *["#" + "." * 38 + "#"] * 18, "#" * 40]), 0.2)
 LATTICE = Lattice(ConfigurationSpace(GRID, 0.28))

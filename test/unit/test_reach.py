@@ -9,7 +9,7 @@ from worlds import grid_from_text
 from social_fleet.errors import InvalidGoal, InvalidParameter, InvalidStart, NoPath
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.overlays.shapes import Rectangle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.reach import reached_from

@@ -16,7 +16,7 @@ from social_fleet.coordination.verification import verify
 from social_fleet.errors import Infeasible
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.planner import SocialPlanner
 
 HALL = "#" * 22 + ("\n#" + "." * 20 + "#") * 5 + "\n" + "#" * 22

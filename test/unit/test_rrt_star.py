@@ -6,8 +6,8 @@ from worlds import grid_from_text
 
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.baselines.rrt_star import grown, neighbourhood, rrt_star
-from social_fleet.planning.chords import Ground
 from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.driven_path.chords import Ground
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.planner import SocialPlanner
 

@@ -10,11 +10,11 @@ from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.costs import edge_costs
 from social_fleet.planning.grid_search.hierarchy import UNIT
 from social_fleet.planning.lattice import Lattice
-from social_fleet.planning.norms import norm_of
 from social_fleet.planning.search import Search
+from social_fleet.planning.social_cost.costs import edge_costs
+from social_fleet.planning.social_cost.norms import norm_of
 
 EPSILON = 0.01
 

@@ -8,10 +8,10 @@ from worlds import grid_from_text
 
 from social_fleet.geometry import Polyline
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground, Prices
+from social_fleet.planning.driven_path.chords import Ground, Prices
+from social_fleet.planning.driven_path.smoothing import jogs, rounded, smooth, turns
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.search import Search
-from social_fleet.planning.smoothing import jogs, rounded, smooth, turns
 
 WORLD = "\n".join(["." * 60] * 18 + ["." * 25 + "#" * 8 + "." * 27] * 24 + ["." * 60] * 18)
 

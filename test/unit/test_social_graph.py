@@ -9,9 +9,9 @@ from worlds import grid_from_text
 from social_fleet.errors import InvalidGraph, InvalidInput
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.heatmaps import EdgeCounts, Heatmaps, headings_of
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.social_graph import SocialGraph, learn
+from social_fleet.planning.routes.heatmaps import EdgeCounts, Heatmaps, headings_of
+from social_fleet.planning.routes.social_graph import SocialGraph, learn
 
 EAST, NORTH_EAST, WEST = 0, 1, 4
 GRID = OccupancyGrid(np.zeros((6, 20), dtype=np.int8), 0.5)

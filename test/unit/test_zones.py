@@ -6,9 +6,9 @@ from worlds import grid_from_text
 
 from social_fleet.errors import InvalidParameter
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.norms import KeepSide, NoNorm
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.zones import Zone, load_zones, zoned_norms, zones_of_map
+from social_fleet.planning.social_cost.norms import KeepSide, NoNorm
+from social_fleet.planning.social_cost.zones import Zone, load_zones, zoned_norms, zones_of_map
 
 HALL = grid_from_text("\n".join(["#" * 100] + ["." * 100] * 15 + ["#" * 100]), 0.2)  # 3 m wide, 20 m long
 EAST_HALF = ((10.0, 0.0), (20.0, 0.0), (20.0, 4.0), (10.0, 4.0))

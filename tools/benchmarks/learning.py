@@ -11,13 +11,13 @@ from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.files import load_map
 from social_fleet.mapping.walls import HEADINGS
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.fleet_routes import FleetRoutes
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.overlays.raster import drawn_on
 from social_fleet.planning.overlays.shapes import Rectangle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.planning.social_graph import SocialGraph, learn
+from social_fleet.planning.routes.fleet_routes import FleetRoutes
+from social_fleet.planning.routes.social_graph import SocialGraph, learn
 
 PATHS, DETOURS = 100, 40
 START, GOAL = (2.0, 25.0), (97.0, 40.0)

@@ -11,7 +11,7 @@ from social_fleet.planning.cache import FOLDER
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.planning.social_graph import learn
+from social_fleet.planning.routes.social_graph import learn
 
 from .worlds import map_files, planner
 

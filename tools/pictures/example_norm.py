@@ -3,7 +3,7 @@
 import numpy as np
 
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.norms import HeadingCost, Norm
+from social_fleet.planning.social_cost.norms import HeadingCost, Norm
 
 WISH = 1.2  # [m] to the nearest wall
 

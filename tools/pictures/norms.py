@@ -7,7 +7,7 @@ from social_fleet.mapping.drawing import draw
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.zones import Zone
+from social_fleet.planning.social_cost.zones import Zone
 from social_fleet.scenario.pictures.norm_picture import Panel, norm_picture
 
 

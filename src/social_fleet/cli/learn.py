@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
                            field="--paths")
     check_outputs(args.out, args.graphml)
     from social_fleet.cli.plan import make_planner
-    from social_fleet.planning.graph_changes import merged
+    from social_fleet.planning.routes.graph_changes import merged
 
     planner = make_planner(args.map, args.config, zones=args.zones)
     graphs = [_load(path, planner) for path in args.merge]
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     graph = merged(graphs + ([own] if own else []), planner.config.heatmap_threshold, planner.config.min_component)
     graph.save(args.out)
     if args.graphml:
-        from social_fleet.planning.graph_files import write_graphml
+        from social_fleet.planning.routes.graph_files import write_graphml
         write_graphml(graph, args.graphml)
     result = {"map": args.map, "paths": args.paths or 0, "seed": args.seed, "nodes": graph.node_count,
               "edges": graph.edge_count}
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _learnt(args: argparse.Namespace, planner: Any) -> Optional[Any]:
     """The graph of the paths that are asked for, None without."""
-    from social_fleet.planning.social_graph import learn
+    from social_fleet.planning.routes.social_graph import learn
     if args.paths is None:
         return None
     with progress(args.paths, "learning", "paths") as update:
@@ -71,8 +71,8 @@ def _learnt(args: argparse.Namespace, planner: Any) -> Optional[Any]:
 
 def _load(path: str, planner: Any) -> Any:
     """A graph that can be merged; raises InvalidGraph, naming the file."""
-    from social_fleet.planning.graph_changes import adapted
-    from social_fleet.planning.social_graph import SocialGraph
+    from social_fleet.planning.routes.graph_changes import adapted
+    from social_fleet.planning.routes.social_graph import SocialGraph
     graph = SocialGraph.load(path)
     if graph.counts is None:
         raise InvalidGraph("does not say how many paths used its edges; learn it again", source=path, field="counts")

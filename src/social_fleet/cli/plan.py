@@ -73,9 +73,9 @@ def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional
     from social_fleet.mapping.files import load_map
     from social_fleet.planning.config import PlannerConfig
     from social_fleet.planning.planner import SocialPlanner
-    from social_fleet.planning.norms import norm_of
-    from social_fleet.planning.social_graph import SocialGraph
-    from social_fleet.planning.zones import zones_of_map
+    from social_fleet.planning.social_cost.norms import norm_of
+    from social_fleet.planning.routes.social_graph import SocialGraph
+    from social_fleet.planning.social_cost.zones import zones_of_map
 
     overrides = read_yaml(config_path, InvalidParameter) if config_path else {}
     if not isinstance(overrides or {}, dict):

@@ -10,7 +10,7 @@ from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import Infeasible, InvalidPose, NoPath
 from social_fleet.geometry import Pose
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 

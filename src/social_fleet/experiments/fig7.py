@@ -11,13 +11,13 @@ from social_fleet.errors import InvalidPose, NoPath
 from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World
 from social_fleet.experiments.maps import draw_edges, map_panels
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.fleet_routes import FleetRoutes
-from social_fleet.planning.heatmaps import EdgeCounts
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.overlays.shapes import DiscObstacle
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import Position, random_pose_pairs
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.fleet_routes import FleetRoutes
+from social_fleet.planning.routes.heatmaps import EdgeCounts
+from social_fleet.planning.routes.social_graph import SocialGraph
 from social_fleet.scenario.pictures.colours import INK
 from social_fleet.scenario.pictures.map_layer import content_box, draw_map
 from social_fleet.scenario.pictures.style import halo

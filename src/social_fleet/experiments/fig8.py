@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from social_fleet.experiments.charts import add_caption, add_title, plain_frame
 from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World, part
 from social_fleet.experiments.trials import Pair, attempt
-from social_fleet.planning.heatmaps import Heatmaps
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.heatmaps import Heatmaps
+from social_fleet.planning.routes.social_graph import SocialGraph
 from social_fleet.scenario.pictures.colours import INK, PALETTE
 from social_fleet.scenario.pictures.style import add_axes, new_figure
 

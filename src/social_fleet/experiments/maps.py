@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from social_fleet.experiments.charts import add_caption, add_title
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
-from social_fleet.planning.heatmaps import EdgeCounts
+from social_fleet.planning.routes.heatmaps import EdgeCounts
 from social_fleet.scenario.pictures.fleet_layer import map_inches
 from social_fleet.scenario.pictures.map_layer import content_box, draw_map
 from social_fleet.scenario.pictures.style import add_axes, new_figure

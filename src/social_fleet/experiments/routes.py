@@ -8,7 +8,7 @@ from social_fleet.experiments.metrics import heading_change_per_metre, predictab
 from social_fleet.experiments.trials import COLOURS, METHODS, Trials, solve, solved_by_all
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
-from social_fleet.planning.social_graph import learn
+from social_fleet.planning.routes.social_graph import learn
 
 LEARNT = 250  # paths that the graph is made of
 NAMES = {**METHODS, "social_graph": "social with graph"}

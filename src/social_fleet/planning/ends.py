@@ -7,9 +7,9 @@ import numpy as np
 
 from social_fleet.errors import InvalidGoal, InvalidStart
 from social_fleet.mapping.clearance import ConfigurationSpace
-from social_fleet.planning.chords import Ground, fits_along
+from social_fleet.planning.driven_path.chords import Ground, fits_along
 from social_fleet.planning.lattice import Lattice
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.overlays.overlaid import Overlaid, check_clear
 
 REACH = 3  # [cells] how far from a pose its path may join the lattice

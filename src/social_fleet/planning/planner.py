@@ -13,21 +13,21 @@ from social_fleet.errors import InvalidGoal, InvalidParameter, NoPath
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.baselines.rrt_star import PATIENCE, rrt_star
-from social_fleet.planning.chords import Ground, Prices
 from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.driven_path.chords import Ground, Prices
+from social_fleet.planning.driven_path.smoothing import rounded, smooth
 from social_fleet.planning.ends import checked_position, joined, parsed_pose, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
-from social_fleet.planning.norms import Norm
-from social_fleet.planning.overlay import Disc, covered_nodes, local_discs
+from social_fleet.planning.overlays.discs import Disc, covered_nodes, local_discs
 from social_fleet.planning.overlays.overlaid import Overlaid, OverlaidMaps, near_overlays
 from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
-from social_fleet.planning.precomputation import social_costs
 from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_reachable
+from social_fleet.planning.routes.social_graph import SocialGraph
 from social_fleet.planning.search import Search, SearchResult
-from social_fleet.planning.smoothing import rounded, smooth
-from social_fleet.planning.social_graph import SocialGraph
-from social_fleet.planning.zones import Zone
+from social_fleet.planning.social_cost.norms import Norm
+from social_fleet.planning.social_cost.precomputation import social_costs
+from social_fleet.planning.social_cost.zones import Zone
 
 PLANNERS = ("social", "shortest", "rrt_star")
 RRT_SAMPLES = 8000

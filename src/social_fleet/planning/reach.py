@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from social_fleet.errors import InvalidParameter
-from social_fleet.planning.chords import Ground, fits_along
+from social_fleet.planning.driven_path.chords import Ground, fits_along
 from social_fleet.planning.ends import reachable
 from social_fleet.planning.lattice import Lattice, Links, neighbour
 

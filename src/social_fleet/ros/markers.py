@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid, Points
 from social_fleet.mapping.walls import HEADINGS
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.social_graph import SocialGraph
 from social_fleet.ros import conversions
 
 HEIGHT = 0.4  # of a robot's disc [m]

@@ -12,15 +12,15 @@ from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.parameters import from_mapping, parameter
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.fleet_routes import FleetRoutes
-from social_fleet.planning.graph_changes import adapted
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.overlays.overlaid import near_overlays
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.social_graph import SocialGraph, learn
-from social_fleet.planning.zones import NO_ZONES, Zone, zones_of_map
+from social_fleet.planning.routes.fleet_routes import FleetRoutes
+from social_fleet.planning.routes.graph_changes import adapted
+from social_fleet.planning.routes.social_graph import SocialGraph, learn
+from social_fleet.planning.social_cost.zones import NO_ZONES, Zone, zones_of_map
 from social_fleet.ros.paths import resolve_path
 
 log = logging.getLogger(__name__)

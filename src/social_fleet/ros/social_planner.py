@@ -14,7 +14,7 @@ from social_fleet.errors import InvalidGoal, InvalidInput, InvalidOverlay, Inval
 from social_fleet.geometry import Pose
 from social_fleet.msg import PlannedPath
 from social_fleet.parameters import parameter
-from social_fleet.planning.overlay import Disc
+from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.ros import conversions, parameters
 from social_fleet.ros.background import BackgroundWork

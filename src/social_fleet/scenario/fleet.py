@@ -13,10 +13,10 @@ from social_fleet.mapping.files import load_map
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.social_graph import SocialGraph
-from social_fleet.planning.zones import Zone, zones_of_map
-from social_fleet.scenario.scenario import RobotSpec, Scenario
+from social_fleet.planning.routes.social_graph import SocialGraph
+from social_fleet.planning.social_cost.zones import Zone, zones_of_map
 from social_fleet.scenario.locations import PACKAGE
+from social_fleet.scenario.scenario import RobotSpec, Scenario
 
 _LIMITS = ("max_acceleration", "max_turn_rate", "max_turn_acceleration")
 

@@ -15,7 +15,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.chords import Ground, is_free
+from social_fleet.planning.driven_path.chords import Ground, is_free
 
 GOAL_SHARE = 0.05  # of the samples are the goal itself
 PATIENCE = 25  # budgets after which a tree that has not found the goal is given up

@@ -1,7 +1,7 @@
 """Shapes of obstacles in the map frame, each validated when it is made.
 
-An obstacle is physical: a robot's disc keeps clear of it. (`planning.overlay.Disc` is something else: a place that a
-path's centre line keeps out of.)
+An obstacle is physical: a robot's disc keeps clear of it. (`planning.overlays.discs.Disc` is something else: a place
+that a path's centre line keeps out of.)
 """
 
 import math

@@ -8,7 +8,7 @@ from social_fleet.files import PathLike
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.plan import Plan
-from social_fleet.planning.zones import Zone
+from social_fleet.planning.social_cost.zones import Zone
 from social_fleet.scenario.pictures import fleet_layer
 from social_fleet.scenario.pictures.colours import INK, PALETTE
 from social_fleet.scenario.pictures.map_layer import content_box, draw_map

@@ -9,7 +9,7 @@ from numba import njit
 from social_fleet.errors import InvalidParameter
 from social_fleet.mapping.walls import HEADINGS, wall_distances
 from social_fleet.planning.lattice import SQRT2, Lattice, Links, neighbour
-from social_fleet.planning.norms import Norm
+from social_fleet.planning.social_cost.norms import Norm
 
 # A change of the followed distance by more than this many steps is an opening, not a drift.
 OPENING = 2.0

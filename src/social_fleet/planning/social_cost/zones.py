@@ -22,7 +22,7 @@ from social_fleet.files import PathLike, read_yaml
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.polygons import Corner, checked_polygon, inside_polygon
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.norms import Norm, norm_of
+from social_fleet.planning.social_cost.norms import Norm, norm_of
 
 OVERRIDES = ("norm", "side", "w_right", "w_const", "w_buf", "standoff")
 NO_ZONES = "none"

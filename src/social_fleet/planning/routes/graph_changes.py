@@ -9,8 +9,8 @@ from social_fleet.errors import InvalidGraph
 from social_fleet.geometry import wrap_angle
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
-from social_fleet.planning.heatmaps import EdgeCounts
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.heatmaps import EdgeCounts
+from social_fleet.planning.routes.social_graph import SocialGraph
 
 
 def merged(graphs: Sequence[SocialGraph], threshold: int, min_component: int) -> SocialGraph:

@@ -9,7 +9,7 @@ from social_fleet.files import PathLike
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.walls import HEADINGS
-from social_fleet.planning.heatmaps import EdgeCounts, Heatmaps
+from social_fleet.planning.routes.heatmaps import EdgeCounts, Heatmaps
 
 if TYPE_CHECKING:
     from social_fleet.planning.planner import SocialPlanner
@@ -142,7 +142,7 @@ class SocialGraph:
         InvalidInput
             When the file cannot be created.
         """
-        from social_fleet.planning.graph_files import write_graph
+        from social_fleet.planning.routes.graph_files import write_graph
         write_graph(self, path)
 
     @classmethod
@@ -154,7 +154,7 @@ class SocialGraph:
         InvalidGraph
             When the file is missing, cut short, none of these, of another version, or (with `grid`) of another map.
         """
-        from social_fleet.planning.graph_files import read_graph
+        from social_fleet.planning.routes.graph_files import read_graph
         graph = read_graph(path)
         if grid is not None:
             try:

@@ -9,13 +9,14 @@ import numpy as np
 
 from social_fleet.mapping import clearance, distances, walls
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning import costs, lattice as lattices, norms, zones as zone_files
+from social_fleet.planning import lattice as lattices
 from social_fleet.planning.cache import cached, digest_of
 from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.costs import edge_costs
 from social_fleet.planning.lattice import Lattice
-from social_fleet.planning.norms import Norm, norm_of
-from social_fleet.planning.zones import Zone, zoned_norms
+from social_fleet.planning.social_cost import costs, norms, zones as zone_files
+from social_fleet.planning.social_cost.costs import edge_costs
+from social_fleet.planning.social_cost.norms import Norm, norm_of
+from social_fleet.planning.social_cost.zones import Zone, zoned_norms
 
 # What costs are computed with: when one of these files changes, what is cached does not hold any more.
 _SOURCES = (clearance, distances, walls, costs, lattices, norms, zone_files)

@@ -10,12 +10,12 @@ from typing import Deque, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.planning.detours import Detours
-from social_fleet.planning.heatmaps import EdgeCounts, Heatmaps, edges_of
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.detours import Detours
+from social_fleet.planning.routes.heatmaps import EdgeCounts, Heatmaps, edges_of
+from social_fleet.planning.routes.social_graph import SocialGraph
 
 _AT_ONCE = 8  # waiting paths that one call of `add` puts into the heatmaps at most
 

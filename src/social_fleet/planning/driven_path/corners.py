@@ -9,7 +9,7 @@ from typing import Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.chords import Ground, is_free, is_free_for
+from social_fleet.planning.driven_path.chords import Ground, is_free, is_free_for
 
 MAX_TURN = math.radians(7.5)  # heading change from vertex to vertex on an arc
 SMALL_TURN = math.radians(4.0)  # such a corner needs no rounding

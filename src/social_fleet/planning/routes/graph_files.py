@@ -11,8 +11,8 @@ import numpy as np
 from social_fleet.errors import InvalidGraph
 from social_fleet.files import PathLike, atomic_write
 from social_fleet.geometry import Pose
-from social_fleet.planning.heatmaps import EdgeCounts
-from social_fleet.planning.social_graph import SocialGraph
+from social_fleet.planning.routes.heatmaps import EdgeCounts
+from social_fleet.planning.routes.social_graph import SocialGraph
 
 FORMAT = "social_fleet graph"
 VERSION = 2

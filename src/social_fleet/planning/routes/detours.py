@@ -4,8 +4,8 @@ from typing import Dict, FrozenSet, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.planning.heatmaps import EdgeCounts
 from social_fleet.planning.overlays.shapes import Shape
+from social_fleet.planning.routes.heatmaps import EdgeCounts
 
 _LOOSE = 64  # paths of one group that are kept one by one before they become counts
 
