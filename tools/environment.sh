@@ -35,7 +35,7 @@ read_packages() {
 use_core() {
   # Packages that pip put into a home folder would come before Debian's; on Noetic, PuLP comes that way.
   [ -f "$NOETIC" ] || export PYTHONNOUSERSITE=1
-  export PYTHONPATH=$ROOT/src
+  export PYTHONPATH=$ROOT/src${SOCIAL_FLEET_PYTHONPATH:+:$SOCIAL_FLEET_PYTHONPATH}
   use_compiled_code
 }
 

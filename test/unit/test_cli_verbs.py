@@ -108,7 +108,7 @@ def test_plan_goes_round_obstacles(capsys: pytest.CaptureFixture) -> None:
     ("- {center: [60.0, 2.0], radius: 1}", "o.yaml: [0]: the obstacle lies off the map"),
     ("- {shape: star, center: [6.0, 2.0], radius: 1}", "o.yaml: [0].shape: must be circle or rectangle or polygon"),
     ("- {shape: rectangle, center: [6.0, 2.0], size: [1, -1]}", "o.yaml: [0].size[1]: must be positive"),
-    ("- {shape: polygon, points: [[1, 1], [2, 2]]}", "o.yaml: [0].points: a polygon needs at least 3"),
+    ("- {shape: polygon, points: [[1, 1], [2, 2]]}", "o.yaml: [0].points: must be a list of three corners"),
     ("- {shape: polygon, points: [[1, 1], [2, 2], [3, x]]}", "o.yaml: [0].points[2]: must be two finite numbers"),
     ("- {shape: polygon, points: [[1, 1], [2, 2], [2, 1], [1, 2]]}", "o.yaml: [0].points: the sides"),
     ("- {center: [6.0, 2.0], radius: 1, appears: 3}", "o.yaml: [0].appears: is not known here"),

@@ -1,7 +1,7 @@
 """Simple polygons: whether an outline is one, and which places it holds."""
 
 import math
-from typing import Any, List, Optional, Sequence, Tuple, Type
+from typing import Any, List, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
@@ -41,17 +41,27 @@ def checked_polygon(value: Any, error: Type[InvalidInput], *, field: str = "poly
     return tuple(corners)
 
 
-def inside_polygon(corners: Sequence[Sequence[float]], x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def inside_polygon(corners: Union[np.ndarray, Sequence[Corner]], x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Which places (x, y) a polygon holds, by the even-odd rule: how many sides a ray along +x crosses.
 
     Ranges are half-open, so that polygons that share a side neither overlap nor leave a gap.
     """
-    inside = np.zeros(x.shape, dtype=bool)
-    for (x_a, y_a), (x_b, y_b) in zip(corners, list(corners[1:]) + [corners[0]]):
+    inside = np.zeros(np.broadcast(x, y).shape, dtype=bool)
+    for (x_a, y_a), (x_b, y_b) in zip(corners, [*corners[1:], corners[0]]):
         if y_a != y_b:
             crossing = x_a + (y - y_a) * ((x_b - x_a) / (y_b - y_a))
             inside ^= ((y_a <= y) != (y_b <= y)) & (x < crossing)
     return inside
+
+
+def polygon_distances(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Distance from each of `points` (M, 2) to the polygon of `corners` (N, 2), 0 inside."""
+    nearest = np.full(len(points), np.inf)
+    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        side = b - a
+        share = np.clip((points - a) @ side / max(side @ side, 1e-300), 0.0, 1.0)
+        nearest = np.minimum(nearest, np.hypot(*(points - a - share[:, None] * side).T))
+    return np.where(inside_polygon(corners, points[:, 0], points[:, 1]), 0.0, nearest)
 
 
 def crossing_sides(corners: Sequence[Corner]) -> Optional[Tuple[int, int]]:

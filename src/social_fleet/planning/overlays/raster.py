@@ -7,7 +7,8 @@ import numpy as np
 
 from social_fleet.errors import InvalidOverlay
 from social_fleet.mapping.grid import OCCUPIED, OccupancyGrid
-from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Shape, inside_polygon
+from social_fleet.mapping.polygons import inside_polygon
+from social_fleet.planning.overlays.shapes import Cells, DiscObstacle, Shape
 
 _ROUNDING = 1e-9  # [cells]; a side along the edge between two cells touches neither of the other's side
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from social_fleet.errors import InvalidOverlay
 from social_fleet.mapping.grid import OccupancyGrid
-
-Corner = Tuple[float, float]
+from social_fleet.mapping.polygons import Corner, checked_polygon, polygon_distances
 
 MAX_VERTICES = 500  # of a polygon; more than any obstacle needs, and few enough to be checked at once
 
@@ -74,24 +73,17 @@ class Polygon:
     Raises
     ------
     InvalidOverlay
-        For fewer than 3 vertices, a number that is not finite, sides that cross or touch, or no area.
+        For fewer than 3 vertices, a number that is not finite, or sides that cross or touch.
     """
 
     vertices: Tuple[Corner, ...]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", _checked_points(self.vertices, "vertices"))
-        if len(self.vertices) < 3:
-            raise InvalidOverlay(f"a polygon needs at least 3 vertices, not {len(self.vertices)}", field="vertices")
         if len(self.vertices) > MAX_VERTICES:
             raise InvalidOverlay(f"has {len(self.vertices)} vertices, more than {MAX_VERTICES}; leave some out, or "
                                  "give the obstacle as cells", field="vertices")
-        pair = _crossing_sides(self.extent)
-        if pair:
-            raise InvalidOverlay(f"the sides from vertex {pair[0]} and from vertex {pair[1]} cross or touch; "
-                                 "give the vertices in order along the outline", field="vertices")
-        if abs(_area(self.extent)) < 1e-9:
-            raise InvalidOverlay("the polygon has no area", field="vertices")
+        checked_polygon(self.vertices, InvalidOverlay, field="vertices")
 
     @property
     def extent(self) -> np.ndarray:
@@ -144,63 +136,6 @@ class Cells:
 
 
 Shape = Union[DiscObstacle, Rectangle, Polygon, Cells]
-
-
-def inside_polygon(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Which places lie inside, by the even-odd rule: how many sides a ray along +x crosses."""
-    inside = np.zeros(np.broadcast(x, y).shape, dtype=bool)
-    for (x_a, y_a), (x_b, y_b) in zip(corners, np.roll(corners, -1, axis=0)):
-        if y_a != y_b:
-            crossing = x_a + (y - y_a) * ((x_b - x_a) / (y_b - y_a))
-            inside ^= ((y_a <= y) != (y_b <= y)) & (x < crossing)
-    return inside
-
-
-def polygon_distances(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Distance from each of `points` (M, 2) to the polygon of `corners` (N, 2), 0 inside."""
-    nearest = np.full(len(points), np.inf)
-    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
-        side = b - a
-        share = np.clip((points - a) @ side / max(side @ side, 1e-300), 0.0, 1.0)
-        nearest = np.minimum(nearest, np.hypot(*(points - a - share[:, None] * side).T))
-    return np.where(inside_polygon(corners, points[:, 0], points[:, 1]), 0.0, nearest)
-
-
-def _area(corners: np.ndarray) -> float:
-    following = np.roll(corners, -1, axis=0)
-    return float(0.5 * (corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]).sum())
-
-
-def _crossing_sides(corners: np.ndarray) -> Tuple[int, ...]:
-    """The first two sides that have more in common than a vertex between them; empty when there are none."""
-    count = len(corners)
-    following = np.roll(corners, -1, axis=0)
-    for first in range(count):
-        for second in range(first + 1, count):
-            adjacent = second == first + 1 or (first == 0 and second == count - 1)
-            a, b = corners[first], following[first]
-            c, d = corners[second], following[second]
-            if _fold_back(a, b, c, d, first, second) if adjacent else _meet(a, b, c, d):
-                return first, second
-    return ()
-
-
-def _fold_back(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, first: int, second: int) -> bool:
-    """Whether two sides in succession lie on each other, or one has no length."""
-    before, joint, after = (a, b, d) if second == first + 1 else (c, d, b)
-    one, other = joint - before, after - joint
-    scale = math.hypot(*one) * math.hypot(*other)
-    return bool(scale == 0.0 or (abs(one[0] * other[1] - one[1] * other[0]) <= 1e-12 * scale and one @ other < 0.0))
-
-
-def _meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> bool:
-    """Whether the closed segments a-b and c-d have a point in common."""
-    def turn(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
-        return float(np.sign((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])))
-
-    if (np.maximum(a, b) < np.minimum(c, d)).any() or (np.maximum(c, d) < np.minimum(a, b)).any():
-        return False
-    return turn(a, b, c) * turn(a, b, d) <= 0.0 and turn(c, d, a) * turn(c, d, b) <= 0.0
 
 
 def _checked_points(value: Any, field: str) -> Tuple[Corner, ...]:
