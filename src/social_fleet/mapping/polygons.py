@@ -41,7 +41,7 @@ def checked_polygon(value: Any, error: Type[InvalidInput], *, field: str = "poly
     return tuple(corners)
 
 
-def inside_polygon(corners: Union[np.ndarray, Sequence[Corner]], x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def inside_polygon(corners: Union[np.ndarray, Sequence[Sequence[float]]], x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Which places (x, y) a polygon holds, by the even-odd rule: how many sides a ray along +x crosses.
 
     Ranges are half-open, so that polygons that share a side neither overlap nor leave a gap.
