@@ -89,10 +89,13 @@ def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials:
         state[FULL] = 1
         return middle, expanded
     while base + bucket * width < best and (state[USED] > 0 or waiting < len(order)):
-        while waiting < len(order) and estimates[order[waiting]] < base + (bucket + 1) * width:
-            node = seeds[order[waiting]]
+        ready = waiting
+        while ready < len(order) and estimates[order[ready]] < base + (bucket + 1) * width:
+            ready += 1
+        for index in range(ready - 1, waiting - 1, -1):  # so that the best is on top
+            node = seeds[order[index]]
             push(heads, entry_node, entry_cost, below, state, bucket, node, reached[node])
-            waiting += 1
+        waiting = ready
         entry = pop(heads, below, state, bucket)
         if entry < 0:
             if state[USED] == 0 and not estimates[order[waiting]] < np.inf:
