@@ -39,7 +39,7 @@ def test_distances_to_a_goal_are_those_of_dijkstra_from_below():
 def test_a_goal_of_many_nodes_has_the_least_of_their_distances():
     world = World(6, 0.0)
     hierarchy = hierarchy_of(world)
-    remaining = np.random.RandomState(0).rand(len(world.lattice)) * 5.0
+    remaining = whole_units(np.random.RandomState(0).rand(len(world.lattice)) * 5.0)
     rim = world.pairs[:7, 0]
     potentials = aimed(hierarchy, len(world.lattice), rim, remaining)
     ways = dijkstra(world.matrix(world.costs(0, 0, None)).T.tocsr(), indices=rim) + remaining[rim][:, None]

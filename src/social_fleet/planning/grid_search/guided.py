@@ -7,7 +7,7 @@ from numba import njit
 
 from social_fleet.planning.grid_search.buckets import FULL, NEXT, USED, Queue, clear, pop, push
 from social_fleet.planning.grid_search.exemption import Waiver, surround
-from social_fleet.planning.grid_search.hierarchy import Hierarchy, Potentials, aim, climb
+from social_fleet.planning.grid_search.hierarchy import NEVER, UNIT, Hierarchy, Potentials, aim, climb
 from social_fleet.planning.grid_search.memory import BACKWARD, FORWARD, Memory
 from social_fleet.planning.grid_search.plain import octile
 from social_fleet.planning.lattice import Links
@@ -77,7 +77,8 @@ def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials:
     for index in range(len(seeds)):
         node = seeds[index]
         if aimed:
-            remaining = climb(rank_of[node], parent, first, arc_heads, arc_up, distance, known, number, stack)
+            units = climb(rank_of[node], parent, first, arc_heads, arc_up, distance, known, number, stack)
+            remaining = units * UNIT if units < NEVER else np.inf
         else:
             remaining = octile(lengths[0], lengths[1], row[node] - goal_row, col[node] - goal_col)
         estimates[index] = reached[node] + remaining
@@ -126,8 +127,8 @@ def _connect(links: Links, social: np.ndarray, hierarchy: Hierarchy, potentials:
                 continue
             if aimed:
                 rank = rank_of[other]
-                remaining = distance[rank] if known[rank] == number else climb(
-                    rank, parent, first, arc_heads, arc_up, distance, known, number, stack)
+                remaining = UNIT * (distance[rank] if known[rank] == number else climb(
+                    rank, parent, first, arc_heads, arc_up, distance, known, number, stack))
             else:
                 remaining = octile(lengths[0], lengths[1], row[other] - goal_row, col[other] - goal_col)
             estimate = total + remaining

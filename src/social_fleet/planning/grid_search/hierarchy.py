@@ -19,7 +19,8 @@ from social_fleet.planning.grid_search.dissection import Skeleton
 from social_fleet.planning.lattice import Links, step
 
 UNIT = 2.0 ** -20  # [m], about a micrometre
-DEAREST = 2 ** 32 - 1  # [UNIT]
+DEAREST = 2 ** 32 - 1  # [UNIT], of an arc
+NEVER = 2 ** 60  # [UNIT], the distance from where there is no way
 
 
 class Hierarchy(NamedTuple):
@@ -35,8 +36,8 @@ class Potentials(NamedTuple):
 
     Attributes
     ----------
-    distance : (N,) float64 array
-        By rank [m]; valid where `known` holds the number of the present goal.
+    distance : (N,) int64 array
+        By rank [UNIT]; valid where `known` holds the number of the present goal.
     known : (N,) int32 array
         See above.
     goal : (1,) int32 array
@@ -69,7 +70,7 @@ def no_hierarchy() -> Hierarchy:
 
 def new_potentials(nodes: int) -> Potentials:
     """Potentials of no goal yet."""
-    return Potentials(np.empty(nodes), np.zeros(nodes, dtype=np.int32), np.zeros(1, dtype=np.int32),
+    return Potentials(np.empty(nodes, dtype=np.int64), np.zeros(nodes, dtype=np.int32), np.zeros(1, dtype=np.int32),
                       np.empty(nodes, dtype=np.int32))
 
 
@@ -139,30 +140,30 @@ def aim(hierarchy: Hierarchy, potentials: Potentials, rim: np.ndarray, remaining
         rank = rank_of[node]
         while rank >= 0 and known[rank] != goal:
             known[rank] = goal
-            distance[rank] = np.inf
+            distance[rank] = NEVER
             stack[count] = rank
             count += 1
             rank = parent[rank]
     for node in rim:
         rank = rank_of[node]
-        distance[rank] = min(distance[rank], remaining[node])
+        distance[rank] = min(distance[rank], np.int64(remaining[node] / UNIT))
     ascending = np.sort(stack[:count])
     for rank in ascending:
         here = distance[rank]
         for arc in range(first[rank], first[rank + 1]):
             head = heads[arc]
-            distance[head] = min(distance[head], down[arc] * UNIT + here)
+            distance[head] = min(distance[head], np.int64(down[arc]) + here)
     for rank in ascending[::-1]:
         best = distance[rank]
         for arc in range(first[rank], first[rank + 1]):
-            best = min(best, up[arc] * UNIT + distance[heads[arc]])
+            best = min(best, np.int64(up[arc]) + distance[heads[arc]])
         distance[rank] = best
 
 
 @njit(cache=True, nogil=True)
 def climb(rank: int, parent: np.ndarray, first: np.ndarray, heads: np.ndarray, up: np.ndarray, distance: np.ndarray,
-          known: np.ndarray, goal: int, stack: np.ndarray) -> float:
-    """Distance [m] from a rank to the present goal; the arrays are those of `Hierarchy` and `Potentials`."""
+          known: np.ndarray, goal: int, stack: np.ndarray) -> int:
+    """Distance [UNIT] from a rank to the present goal; the arrays are those of `Hierarchy` and `Potentials`."""
     count, higher = 0, rank
     while higher >= 0 and known[higher] != goal:
         stack[count] = higher
@@ -170,16 +171,17 @@ def climb(rank: int, parent: np.ndarray, first: np.ndarray, heads: np.ndarray, u
         higher = parent[higher]
     for index in range(count - 1, -1, -1):
         lower = stack[index]
-        best = np.inf
+        best = np.int64(NEVER)
         for arc in range(first[lower], first[lower + 1]):
-            best = min(best, up[arc] * UNIT + distance[heads[arc]])
+            best = min(best, np.int64(up[arc]) + distance[heads[arc]])
         distance[lower] = best
         known[lower] = goal
     return distance[rank]
 
 
 def distance_to_goal(hierarchy: Hierarchy, potentials: Potentials, node: int) -> float:
-    """Distance [m] from a node to the present goal."""
+    """Distance [m] from a node to the present goal, inf where there is no way."""
     _, parent, first, heads = hierarchy.skeleton
-    return float(climb(hierarchy.skeleton.rank[node], parent, first, heads, hierarchy.up, potentials.distance,
-                       potentials.known, potentials.goal[0], potentials.stack))
+    units = climb(hierarchy.skeleton.rank[node], parent, first, heads, hierarchy.up, potentials.distance,
+                  potentials.known, potentials.goal[0], potentials.stack)
+    return float(units) * UNIT if units < NEVER else np.inf
