@@ -10,8 +10,9 @@ import math
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.driven_path.chords import Ground, Prices, candidates_of, drop_needless, pull
+from social_fleet.planning.driven_path.chords import Ground, Prices
 from social_fleet.planning.driven_path.corners import merge_bends, round_corners
+from social_fleet.planning.driven_path.pulling import candidates_of, drop_needless, pull
 
 STAIRCASE = 0.75  # [cells] a staircase strays from the line that it approximates
 UNEVEN = 0.1  # [m] by which what is one straight piece may stray from a line on fine grids
