@@ -4,12 +4,15 @@ Every file is named by a digest of all that its content depends on, so it is rig
 rename, so two processes that write it at once do no harm; one that was cut short later is found out by its size.
 """
 
+import functools
 import hashlib
+import inspect
 import json
 import logging
 import math
 import mmap
 import os
+from types import ModuleType
 from typing import IO, Any, Callable, Dict, Mapping, Tuple
 
 import numpy as np
@@ -44,6 +47,12 @@ def digest_of(*parts: Any) -> str:
         digest.update(json.dumps(header, sort_keys=True).encode() + b"\0")
         digest.update(content)
     return digest.hexdigest()
+
+
+@functools.lru_cache(maxsize=None)
+def source_of(*modules: ModuleType) -> str:
+    """A digest of the modules' text: what they compute may change when it does."""
+    return digest_of(*(inspect.getsource(module) for module in modules))
 
 
 def cached(kind: str, digest: str, compute: Callable[[], Mapping[str, np.ndarray]]) -> Dict[str, np.ndarray]:

@@ -7,7 +7,8 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import numpy as np
 from numba import njit
 
-from social_fleet.planning.cache import cached, digest_of
+from social_fleet.planning.cache import cached, digest_of, source_of
+from social_fleet.planning.grid_search import dissection, hierarchy
 from social_fleet.planning.grid_search.buckets import FULL, new_queue
 from social_fleet.planning.grid_search.dissection import Skeleton, dissect
 from social_fleet.planning.grid_search.exemption import Waiver
@@ -134,13 +135,13 @@ class Search:
         """For any costs; that for Eq. 2 is kept on disk."""
         links = self._links
         if self._skeleton is None:
-            digest = digest_of(links.row, links.col, links.edges)
+            digest = digest_of(links.row, links.col, links.edges, source_of(dissection))
             arrays = cached("skeleton", digest, lambda: dissect(links)._asdict())
             self._skeleton = Skeleton(**arrays)
         skeleton = self._skeleton
         if social is not self.social:
             return customised(links, skeleton, social)
-        digest = digest_of(links.row, links.col, links.edges, links.lengths, social)
+        digest = digest_of(links.row, links.col, links.edges, links.lengths, social, source_of(dissection, hierarchy))
         arrays = cached("hierarchy", digest, lambda: _costs_of(customised(links, skeleton, social)))
         return Hierarchy(skeleton, **arrays)
 

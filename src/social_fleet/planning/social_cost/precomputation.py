@@ -1,7 +1,6 @@
 """Social costs from the cache on disk, where all that they depend on can be told."""
 
 import dataclasses
-import functools
 import inspect
 from typing import Any, Optional, Sequence
 
@@ -10,7 +9,7 @@ import numpy as np
 from social_fleet.mapping import clearance, distances, walls
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning import lattice as lattices
-from social_fleet.planning.cache import cached, digest_of
+from social_fleet.planning.cache import cached, digest_of, source_of
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.social_cost import costs, norms, zones as zone_files
@@ -50,7 +49,7 @@ def social_costs(lattice: Lattice, grid: OccupancyGrid, config: PlannerConfig, n
     if norm is not None or None in sources:
         return compute()
     parts = [[zone.name, zone.polygon, dict(zone.overrides)] for zone in zones]
-    digest = digest_of(grid.digest, dataclasses.asdict(config), parts, sources, _sources_digest())
+    digest = digest_of(grid.digest, dataclasses.asdict(config), parts, sources, source_of(*_SOURCES))
     return cached("costs", digest, lambda: {"social": compute()})["social"]
 
 
@@ -60,8 +59,3 @@ def _source(thing: Any) -> Optional[str]:
         return inspect.getsource(inspect.getmodule(thing) or thing)
     except (OSError, TypeError):
         return None
-
-
-@functools.lru_cache(maxsize=None)
-def _sources_digest() -> str:
-    return digest_of(*(_source(module) for module in _SOURCES))
