@@ -27,7 +27,7 @@ _END_TOLERANCE = 1e-3  # by which a fixed schedule may miss the ends of its path
 def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Sequence[Schedule] = (),
                formulation: str = "exact", time_margin: float = 1.0, tracking_tolerance: float = 0.1,
                time_limit: float = 30.0, solver: Optional[str] = None, replanner: Optional[Replanner] = None,
-               repairs: int = 50, version: int = 1) -> FleetSchedule:
+               repairs: int = 50, version: int = 1, finder: Optional[EncounterFinder] = None) -> FleetSchedule:
     """Schedules for `robots` along their paths such that no two discs ever touch.
 
     Parameters
@@ -56,6 +56,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         Greatest number of paths replanned.
     version : int
         Stamped on the schedules.
+    finder : EncounterFinder, optional
+        One that knows some windows already; of the same `tracking_tolerance`.
 
     Returns
     -------
@@ -74,8 +76,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     """
     _check(robots, fixed, mode, formulation, time_margin, tracking_tolerance, time_limit)
     find_solver(solver, time_limit)
-    job = _Job(fixed, time_margin, tracking_tolerance, time.monotonic() + time_limit, solver, replanner, repairs,
-               version)
+    job = _Job(fixed, time_margin, finder or EncounterFinder(tracking_tolerance), time.monotonic() + time_limit, solver,
+               replanner, repairs, version)
     if formulation == "paper":
         return job.run_as_printed(robots)
     if mode == "sequential":
@@ -86,7 +88,7 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
 class _Job:
     """One call of `coordinate`."""
 
-    def __init__(self, fixed: Sequence[Schedule], margin: float, tolerance: float, deadline: float,
+    def __init__(self, fixed: Sequence[Schedule], margin: float, finder: EncounterFinder, deadline: float,
                  solver: Optional[str], replanner: Optional[Replanner], repairs: int, version: int) -> None:
         self.fixed = list(fixed)
         self.given = {schedule.name: schedule for schedule in fixed}
@@ -96,7 +98,7 @@ class _Job:
         self.replanner = replanner
         self.repairs = repairs
         self.version = version
-        self.finder = EncounterFinder(tolerance)
+        self.finder = finder
         self._timings: Dict[str, Tuple[Robot, Timing]] = {}
 
     def run(self, robots: Sequence[Robot]) -> FleetSchedule:

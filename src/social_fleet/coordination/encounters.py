@@ -5,7 +5,7 @@ length only once the first has passed a matching one and stays clear of it from 
 of window, whatever speeds the robots drive at: see doc/coordination.md.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -66,6 +66,11 @@ class Encounter:
         """Both orders: r first, then s first."""
         return self.r_first, self.s_first
 
+    def placed(self, r: int, s: int) -> "Encounter":
+        """The same window of two robots at other positions in a fleet."""
+        return replace(self, r=r, s=s, r_first=replace(self.r_first, leader=r, follower=s),
+                       s_first=replace(self.s_first, leader=s, follower=r))
+
 
 class EncounterFinder:
     """Finds the windows of a fleet, pair by pair, and remembers them until a robot's path changes.
@@ -80,7 +85,7 @@ class EncounterFinder:
         self.tolerance = tracking_tolerance
         self._links: Dict[str, Links] = {}
         self._robots: Dict[str, Robot] = {}
-        self._known: Dict[Tuple[str, str], List[Tuple]] = {}
+        self._known: Dict[Tuple[str, str], Tuple[Encounter, ...]] = {}
 
     def safety_distance(self, r: Robot, s: Robot) -> float:
         """Distance between two robots' centres below which they count as in each other's way [m]."""
@@ -88,19 +93,33 @@ class EncounterFinder:
 
     def find(self, robots: Sequence[Robot], *, fixed: int = 0) -> List[Encounter]:
         """All windows of `robots`; pairs among the last `fixed` ones are left out."""
+        self._remember(robots)
+        encounters: List[Encounter] = []
+        for r, s in self._near_pairs(robots, fixed):
+            encounters += [encounter.placed(r, s) for encounter in self.between(robots[r], robots[s])]
+        return encounters
+
+    def between(self, r: Robot, s: Robot) -> Tuple[Encounter, ...]:
+        """The windows of two robots alone, as robots 0 and 1."""
+        self._remember([r, s])
+        names = r.name, s.name
+        if names not in self._known:
+            found = _windows(self._links[r.name], self._links[s.name], self.safety_distance(r, s))
+            self._known[names] = tuple(_encounter(0, 1, *window) for window in found)
+        return self._known[names]
+
+    def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:
+        """Take the windows of two robots from elsewhere: what `between` gave for the same two robots."""
+        self._remember([r, s])
+        self._known[r.name, s.name] = tuple(windows)
+
+    def _remember(self, robots: Sequence[Robot]) -> None:
+        """Forget what is known of robots that are not the same as before."""
         for robot in robots:
             if self._robots.get(robot.name) is not robot:
                 self._forget(robot.name)
                 self._robots[robot.name] = robot
                 self._links[robot.name] = cut_into_links(robot.path)
-        encounters: List[Encounter] = []
-        for r, s in self._near_pairs(robots, fixed):
-            names = robots[r].name, robots[s].name
-            if names not in self._known:
-                self._known[names] = list(_windows(self._links[names[0]], self._links[names[1]],
-                                                   self.safety_distance(robots[r], robots[s])))
-            encounters += [_encounter(r, s, *window) for window in self._known[names]]
-        return encounters
 
     def _forget(self, name: str) -> None:
         for pair in [pair for pair in self._known if name in pair]:
