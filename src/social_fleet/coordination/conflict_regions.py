@@ -16,12 +16,16 @@ from social_fleet.geometry import Polyline
 LINK = 0.1
 """Longest link [m]: the resolution of encounter windows."""
 
+_LONGEST = LINK * (1.0 + 1e-6)  # with rounding [m]
+_STRETCH = 8  # links of r whose neighbourhood on s is searched at once
+
 
 class Links(NamedTuple):
-    """A path cut into links: ends (K, 2) [m], and the arc lengths (K,) [m] at which they start and end."""
+    """A path cut into links: ends and middles (K, 2) [m], and the arc lengths (K,) [m] at which they start and end."""
 
     tails: np.ndarray
     heads: np.ndarray
+    middles: np.ndarray
     starts: np.ndarray
     ends: np.ndarray
 
@@ -36,7 +40,8 @@ def cut_into_links(path: Polyline) -> Links:
     starts = first + within * steps
     arcs = np.concatenate(([0.0], starts, [path.length]))
     ends = np.concatenate((arcs[:1], starts[1:], [path.length, path.length])) if len(starts) else arcs
-    return Links(path.position(arcs), path.position(ends), arcs, ends)
+    tails, heads = path.position(arcs), path.position(ends)
+    return Links(tails, heads, 0.5 * (tails + heads), arcs, ends)
 
 
 def conflict_regions(r: Links, s: Links, distance: float) -> Tuple[np.ndarray, np.ndarray]:
@@ -50,50 +55,76 @@ def conflict_regions(r: Links, s: Links, distance: float) -> Tuple[np.ndarray, n
         The connected region of every run, numbered from 0 in order of appearance; links that touch at a corner are
         connected.
     """
-    pairs = _close_links(r.tails, r.heads, r.starts, r.ends, s.tails, s.heads, s.starts, s.ends, distance)
-    pairs.sort()
-    return _label_runs(pairs, len(s.starts))
+    runs = close_runs(r.tails, r.heads, r.middles, s.tails, s.heads, s.middles, distance)
+    return runs, label_runs(runs)
 
 
 @njit(cache=True)
-def _close_links(r_tails, r_heads, r_starts, r_ends,  # type: ignore[no-untyped-def]
-                 s_tails, s_heads, s_starts, s_ends, distance):
-    """Keys i * len(s) + j of all links closer than `distance`, by halving both paths.
+def close_runs(r_tails, r_heads, r_middles,  # type: ignore[no-untyped-def]
+               s_tails, s_heads, s_middles, distance):
+    """The runs of `conflict_regions`.
 
-    Two stretches cannot come close when their middles are farther apart than `distance` and the arc lengths that
-    lie between the middles and the stretches' ends.
+    Stretch by stretch of r, the links of s are walked in steps as long as their distance allows: neighbouring middles
+    are at most a link apart. How far all of s stays away says, in the same way, how many links of r need no look.
     """
-    found = np.empty(256, np.int64)
+    runs = np.empty((64, 3), np.int64)
     count = 0
-    width = len(s_starts)
-    stack = [(0, len(r_starts), 0, width)]
-    square = distance * distance
-    while stack:
-        r_low, r_high, s_low, s_high = stack.pop()
-        r_middle, s_middle = (r_low + r_high) // 2, (s_low + s_high) // 2
-        if r_high - r_low == 1 and s_high - s_low == 1:
-            if _squared_gap(r_tails[r_low], r_heads[r_low], s_tails[s_low], s_heads[s_low]) < square:
-                if count == len(found):
-                    grown = np.empty(2 * count, np.int64)
-                    grown[:count] = found
-                    found = grown
-                found[count] = r_low * width + s_low
+    near = np.empty(len(s_middles), np.int64)
+    low = 0
+    while low < len(r_middles):
+        high = min(low + _STRETCH, len(r_middles))
+        found, spare = _near_links(r_middles, low, high, s_middles, distance, near)
+        for i in range(low, high if found else low):
+            for place in range(found):
+                j = near[place]
+                if not _conflict(r_tails, r_heads, r_middles, i, s_tails, s_heads, s_middles, j, distance):
+                    continue
+                if count and runs[count - 1, 0] == i and runs[count - 1, 2] == j - 1:
+                    runs[count - 1, 2] = j
+                    continue
+                if count == len(runs):
+                    grown = np.empty((2 * count, 3), np.int64)
+                    grown[:count] = runs
+                    runs = grown
+                runs[count, 0], runs[count, 1], runs[count, 2] = i, j, j
                 count += 1
-            continue
-        reach = (distance
-                 + max(r_ends[r_high - 1] - r_starts[r_middle], r_starts[r_middle] - r_starts[r_low])
-                 + max(s_ends[s_high - 1] - s_starts[s_middle], s_starts[s_middle] - s_starts[s_low]))
-        dx = r_tails[r_middle, 0] - s_tails[s_middle, 0]
-        dy = r_tails[r_middle, 1] - s_tails[s_middle, 1]
-        if dx * dx + dy * dy >= reach * reach:
-            continue
-        if r_high - r_low >= s_high - s_low:
-            stack.append((r_low, r_middle, s_low, s_high))
-            stack.append((r_middle, r_high, s_low, s_high))
+        low = high if found else high + max(int(spare / _LONGEST) - _STRETCH // 2 - 1, 0)
+    return runs[:count]
+
+
+@njit(cache=True)
+def _near_links(r_middles, low, high, s_middles, distance, near):  # type: ignore[no-untyped-def]
+    """Links of s that may conflict with links low..high of r, how many, and else by how much all are too far [m]."""
+    centre = (low + high) // 2
+    x, y = r_middles[centre, 0], r_middles[centre, 1]
+    spread = 0.0
+    for i in range(low, high):
+        spread = max(spread, (r_middles[i, 0] - x) ** 2 + (r_middles[i, 1] - y) ** 2)
+    reach = distance + np.sqrt(spread) + _LONGEST
+    found = 0
+    spare = np.inf
+    j = 0
+    while j < len(s_middles):
+        beyond = np.sqrt((s_middles[j, 0] - x) ** 2 + (s_middles[j, 1] - y) ** 2) - reach
+        if beyond <= 0.0:
+            near[found] = j
+            found += 1
+            j += 1
         else:
-            stack.append((r_low, r_high, s_low, s_middle))
-            stack.append((r_low, r_high, s_middle, s_high))
-    return found[:count]
+            spare = min(spare, 0.5 * beyond)
+            j += 1 + int(0.5 * beyond / _LONGEST)
+    return found, spare
+
+
+@njit(cache=True)
+def _conflict(r_tails, r_heads, r_middles, i, s_tails, s_heads, s_middles, j, distance):  # type: ignore[no-untyped-def]
+    """Whether two links come closer than `distance`; their middles alone mostly tell."""
+    square = (r_middles[i, 0] - s_middles[j, 0]) ** 2 + (r_middles[i, 1] - s_middles[j, 1]) ** 2
+    if square >= (distance + _LONGEST) ** 2:
+        return False
+    if distance > _LONGEST and square < (distance - _LONGEST) ** 2:
+        return True
+    return _squared_gap(r_tails[i], r_heads[i], s_tails[j], s_heads[j]) < distance * distance
 
 
 @njit(cache=True)
@@ -136,17 +167,9 @@ def _root(parents, index):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _label_runs(pairs, width):  # type: ignore[no-untyped-def]
-    """Runs of neighbouring pairs along s, and which region each belongs to."""
-    runs = np.empty((len(pairs), 3), np.int64)
-    count = 0
-    for key in pairs:
-        i, j = key // width, key % width
-        if count and runs[count - 1, 0] == i and runs[count - 1, 2] == j - 1:
-            runs[count - 1, 2] = j
-        else:
-            runs[count, 0], runs[count, 1], runs[count, 2] = i, j, j
-            count += 1
+def label_runs(runs):  # type: ignore[no-untyped-def]
+    """The region that each run belongs to."""
+    count = len(runs)
     parents = np.arange(count)
     above = 0
     row_start = 0
@@ -166,4 +189,4 @@ def _label_runs(pairs, width):  # type: ignore[no-untyped-def]
             names[root] = next_name
             next_name += 1
         labels[index] = names[root]
-    return runs[:count], labels
+    return labels

@@ -6,18 +6,14 @@ of window, whatever speeds the robots drive at: see doc/coordination.md.
 """
 
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.coordination.conflict_regions import LINK, Links, conflict_regions, cut_into_links
+from social_fleet.coordination.conflict_regions import Links, cut_into_links
 from social_fleet.coordination.robot import Robot
-
-SHORT = 2.0
-"""A window whose arcs are both shorter than this is an intersection [m]."""
-
-_STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
-_SETBACK = 1.0  # by which a window that runs along, or against, the other path may depart from that [m]
+from social_fleet.coordination.schedule import KINDS
+from social_fleet.coordination.window_rows import WindowRows, window_rows
 
 
 @dataclass(frozen=True)
@@ -104,8 +100,8 @@ class EncounterFinder:
         self._remember([r, s])
         names = r.name, s.name
         if names not in self._known:
-            found = _windows(self._links[r.name], self._links[s.name], self.safety_distance(r, s))
-            self._known[names] = tuple(_encounter(0, 1, *window) for window in found)
+            self._known[names] = tuple(_encounters(window_rows(
+                self._links[r.name], self._links[s.name], self.safety_distance(r, s))))
         return self._known[names]
 
     def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:
@@ -138,52 +134,17 @@ class EncounterFinder:
         return list(zip(rows[near].tolist(), columns[near].tolist()))
 
 
-def _windows(r: Links, s: Links, distance: float) -> List[Tuple]:
-    runs, labels = conflict_regions(r, s, distance)
-    return [(r, s, runs[labels == label]) for label in range(int(labels.max(initial=-1)) + 1)]
-
-
-def _encounter(r: int, s: int, r_links: Links, s_links: Links, runs: np.ndarray) -> Encounter:
-    rows, lows, highs = runs.T
-    r_extent = float(r_links.starts[rows[0]]), float(r_links.ends[rows[-1]])
-    s_extent = float(s_links.starts[lows.min()]), float(s_links.ends[highs.max()])
-    r_ends = bool(rows[0] == 0), bool(rows[-1] == len(r_links.starts) - 1)
-    s_ends = bool(lows.min() == 0), bool(highs.max() == len(s_links.starts) - 1)
-    by_low = np.argsort(lows, kind="stable")
-    r_first = _staircase(s_links.starts[lows[by_low]], r_links.ends[np.maximum.accumulate(rows[by_low])])
-    s_first = _staircase(r_links.starts[rows], s_links.ends[np.maximum.accumulate(highs)])
-    return Encounter(r, s, _kind(runs, r_extent, s_extent), r_extent, s_extent, r_ends, s_ends,
-                     Order(r, s, *r_first, possible=not (s_ends[0] or r_ends[1])),
-                     Order(s, r, *s_first, possible=not (r_ends[0] or s_ends[1])))
-
-
-def _staircase(at: np.ndarray, clear: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Fewer steps that ask for at least as much: each holds what is needed up to the next."""
-    starts = [0]
-    for index in range(1, len(at)):
-        if at[index] > at[starts[-1]] and clear[index] - clear[starts[-1]] > _STAIR:
-            starts.append(index)
-    lasts = np.array(starts[1:] + [len(at)]) - 1
-    return at[starts], clear[lasts]
-
-
-def _kind(runs: np.ndarray, r_extent: Tuple[float, float], s_extent: Tuple[float, float]) -> str:
-    """3.3.1's kind; what is neither short nor monotone is read as an intersection, one robot at a time."""
-    lengths = r_extent[1] - r_extent[0], s_extent[1] - s_extent[0]
-    if max(lengths) < SHORT or min(lengths) <= 0.0:
-        return "intersection"
-    _, starts = np.unique(runs[:, 0], return_index=True)
-    lows, highs = np.minimum.reduceat(runs[:, 1], starts), np.maximum.reduceat(runs[:, 2], starts)
-    if _rises(lows) and _rises(highs):
-        return "same_direction"
-    if _rises(-lows) and _rises(-highs):
-        return "opposite_direction"
-    return "intersection"
-
-
-def _rises(links: np.ndarray) -> bool:
-    """Whether positions on the other path rise from link to link, but for small setbacks."""
-    return bool((np.maximum.accumulate(links) - links <= _SETBACK / LINK).all())
+def _encounters(rows: WindowRows) -> Iterator[Encounter]:
+    """The windows of two robots, 0 and 1."""
+    extents, ends, starts = rows.extents.tolist(), rows.ends.tolist(), rows.starts.tolist()
+    for window, kind in enumerate(rows.kinds.tolist()):
+        r_low, r_high, s_low, s_high = extents[window]
+        r_start, r_goal, s_start, s_goal = ends[window]
+        low, middle, high = starts[2 * window:2 * window + 3]
+        yield Encounter(
+            0, 1, KINDS[kind], (r_low, r_high), (s_low, s_high), (r_start, r_goal), (s_start, s_goal),
+            Order(0, 1, rows.at[low:middle], rows.clear[low:middle], possible=not (s_start or r_goal)),
+            Order(1, 0, rows.at[middle:high], rows.clear[middle:high], possible=not (r_start or s_goal)))
 
 
 def contradiction(encounter: Encounter, robots: Sequence[Robot]) -> Optional[str]:
