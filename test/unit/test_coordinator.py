@@ -309,3 +309,62 @@ def test_margin_and_tolerance_may_be_nothing() -> None:
     fleet = coordinate(CROSSING, time_margin=0.0, tracking_tolerance=0.0)
     assert 0.0 <= verify(fleet).min_clearance < 0.2
     check_orders(fleet.schedules, 0.0)
+
+
+def test_schedules_under_way_that_touch_are_named() -> None:
+    east, north = ([(0.0, 0.0), (10.0, 0.0)], [(5.0, -5.0), (5.0, 5.0)])
+    fixed = [Schedule(robot(name, *points), np.array([0.0, 10.0]), np.array([0.0, 20.0]))
+             for name, points in (("x", east), ("y", north))]
+    for way in ({}, {"mode": "sequential"}, {"formulation": "paper"}):
+        with pytest.raises(InvalidScenario, match="fixed: .*x and y overlap by 0.50 m at 10.0 s"):
+            coordinate([robot("z", (0, 20), (10, 20))], fixed=fixed, **way)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("options", [
+    {"time_margin": "soon"}, {"tracking_tolerance": None}, {"time_limit": True}, {"gap": -0.1}, {"effort": 1.5},
+    {"repairs": -1}, {"objective": "speed"}])
+def test_options_out_of_range_are_refused_by_name(options: dict) -> None:
+    with pytest.raises(InvalidScenario) as caught:
+        coordinate([robot("a", (0, 0), (9, 0))], **options)
+    assert [caught.value.field] == list(options)
+
+
+def test_what_is_no_robot_is_refused() -> None:
+    with pytest.raises(InvalidScenario, match="robots"):
+        coordinate(["a"])  # type: ignore[list-item]
+    with pytest.raises(InvalidScenario, match="fixed"):
+        coordinate([robot("a", (0, 0), (9, 0))], fixed=None)  # type: ignore[arg-type]
+    with pytest.raises(TimedOut):
+        coordinate([robot("a", (0, 0), (9, 0))], time_limit=1e-9, formulation="paper")
+
+
+def test_a_heavy_robot_goes_first() -> None:
+    def first(weight: float) -> str:
+        fleet = coordinate([robot("a", (-4, 0), (4, 0), weight=weight), robot("b", (0, -3), (0, 3))])
+        return fleet.windows[0].first
+    assert first(10.0) == "a" and first(0.1) == "b"
+
+
+def test_the_makespan_lets_the_longest_way_go_first() -> None:
+    fleet = [robot("a", (-4, 0), (30, 0), max_speed=0.4), robot("b", (0, -4), (0, 4), max_speed=0.5),
+             robot("c", (0.0, -6.0), (0.0, 2.5), max_speed=0.5)]
+    shortest = coordinate(fleet, objective="makespan", gap=0.0)
+    assert shortest.objective == pytest.approx(shortest.makespan)
+    assert shortest.makespan <= coordinate(fleet, gap=0.0).makespan + 1e-6
+    assert verify(shortest).safe
+
+
+def test_who_cannot_be_served_is_named_and_the_rest_drive() -> None:
+    """b and c have to pass each other in the same lane; a crosses before where they stand."""
+    fleet = [robot("a", (-3, 2), (-3, -2)), robot("b", (0, 0), (9, 0)), robot("c", (9, 0), (0, 0))]
+    with pytest.raises(Infeasible):
+        coordinate(fleet)
+    some = coordinate(fleet, partial=True)
+    assert [schedule.name for schedule in some.schedules] == ["a"]
+    assert [name for name, _ in some.unserved] == ["b", "c"], "the way of either is blocked by the other"
+    assert "starts in the way" in dict(some.unserved)["c"]
+    aside = coordinate([robot("a", (-3, 2), (-3, -2)), robot("b", (0, 0), (9, 0)), robot("c", (9, 0), (9, 5)),
+                        robot("d", (4, 0), (4, 0.1))], partial=True)
+    assert [name for name, _ in aside.unserved] == ["b"], "d would be in its way even if it did not move"
+    assert [schedule.name for schedule in aside.schedules] == ["a", "c", "d"]
+    assert verify(aside).safe

@@ -1,33 +1,33 @@
 """Coordination of a fleet's timing: from paths to schedules that keep all robots apart (3.3)."""
 
-import math
+import logging
 import time
 from dataclasses import replace
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order, contradiction, forced_reasons
 from social_fleet.coordination.event_graph import Motion
+from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
-from social_fleet.coordination.program import Contradiction, ExactProgram, Solution
+from social_fleet.coordination.program import ExactProgram, Solution
 from social_fleet.coordination.repair import Repairs, Replanner
+from social_fleet.coordination.request import check_fleet, check_options
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
 from social_fleet.coordination.solvers import find_solver
 from social_fleet.coordination.timing import Timing, nominal_timing
-from social_fleet.errors import Infeasible, InvalidScenario
+from social_fleet.errors import Infeasible, TimedOut
 
-MODES = ("simultaneous", "sequential", "unified")
-FORMULATIONS = ("exact", "paper")
-
-_END_TOLERANCE = 1e-3  # by which a fixed schedule may miss the ends of its path [m]
+log = logging.getLogger(__name__)
 
 
 def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Sequence[Schedule] = (),
-               formulation: str = "exact", time_margin: float = 1.0, tracking_tolerance: float = 0.1,
-               time_limit: float = 30.0, solver: Optional[str] = None, replanner: Optional[Replanner] = None,
-               repairs: int = 50, version: int = 1, finder: Optional[EncounterFinder] = None) -> FleetSchedule:
+               formulation: str = "exact", objective: str = "sum_of_completion", time_margin: float = 1.0,
+               tracking_tolerance: float = 0.1, gap: float = 1e-3, effort: int = 1, time_limit: float = 30.0,
+               solver: Optional[str] = None, replanner: Optional[Replanner] = None, repairs: int = 50,
+               partial: bool = False, version: int = 1, finder: Optional[EncounterFinder] = None) -> FleetSchedule:
     """Schedules for `robots` along their paths such that no two discs ever touch.
 
     Parameters
@@ -42,6 +42,12 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         for a planned one: see `FleetSchedule.amended`.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
+    objective : str
+        ``sum_of_completion``: the arrivals, each times its robot's weight; or ``makespan``: the last of them.
+    gap : float
+        Relative distance to the proven bound at which a schedule is good enough; 0 for the optimum.
+    effort : int
+        How often search and proof take turns where the gap stays open: a large fleet's schedule gets better with more.
     time_margin : float
         delta, the time between one robot's leaving a window and the next one's entering [s].
     tracking_tolerance : float
@@ -54,6 +60,9 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         Finds other paths where these admit no schedule; without one that is an error.
     repairs : int
         Greatest number of paths replanned.
+    partial : bool
+        Where no schedule serves all, leave robots out, one by one, until the rest have one: see
+        `FleetSchedule.unserved`. They count as standing at their starts for ever.
     version : int
         Stamped on the schedules.
     finder : EncounterFinder, optional
@@ -67,17 +76,19 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     Raises
     ------
     InvalidScenario
-        Two robots of one name, touching starts or goals, or a parameter out of range.
+        Two robots of one name, touching starts or goals, touching schedules under way, or an option out of range.
     InvalidParameter
         No such solver.
     Infeasible
         No schedule on these paths; the message names the robots and why.
     TimedOut, SolverFailed
     """
-    _check(robots, fixed, mode, formulation, time_margin, tracking_tolerance, time_limit)
+    check_options(mode=mode, formulation=formulation, objective=objective, effort=effort, repairs=repairs, gap=gap,
+                  time_margin=time_margin, tracking_tolerance=tracking_tolerance, time_limit=time_limit)
+    check_fleet(robots, fixed, tracking_tolerance)
     find_solver(solver, time_limit)
-    job = _Job(fixed, time_margin, finder or EncounterFinder(tracking_tolerance), time.monotonic() + time_limit, solver,
-               replanner, repairs, version)
+    job = _Job(fixed, finder or EncounterFinder(tracking_tolerance), time.monotonic() + time_limit, replanner, _Options(
+        time_margin, objective == "makespan", gap, effort, solver, repairs, partial, version))
     if formulation == "paper":
         return job.run_as_printed(robots)
     if mode == "sequential":
@@ -85,27 +96,39 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     return job.run(robots)
 
 
+class _Options(NamedTuple):
+    """How a call of `coordinate` wants its schedule; see there."""
+
+    margin: float
+    makespan: bool
+    gap: float
+    effort: int
+    solver: Optional[str]
+    repairs: int
+    partial: bool
+    version: int
+
+
 class _Job:
     """One call of `coordinate`."""
 
-    def __init__(self, fixed: Sequence[Schedule], margin: float, finder: EncounterFinder, deadline: float,
-                 solver: Optional[str], replanner: Optional[Replanner], repairs: int, version: int) -> None:
+    def __init__(self, fixed: Sequence[Schedule], finder: EncounterFinder, deadline: float,
+                 replanner: Optional[Replanner], options: "_Options") -> None:
         self.fixed = list(fixed)
         self.given = {schedule.name: schedule for schedule in fixed}
-        self.margin = margin
         self.deadline = deadline
-        self.solver = solver
         self.replanner = replanner
-        self.repairs = repairs
-        self.version = version
         self.finder = finder
+        self.options = options
+        self.unserved: Dict[str, str] = {}
         self._timings: Dict[str, Tuple[Robot, Timing]] = {}
 
     def run(self, robots: Sequence[Robot]) -> FleetSchedule:
         """All robots at once, repaired where needed."""
         planned = sorted(robots, key=lambda robot: robot.name)
         spent = {"encounters": 0.0, "solve": 0.0, "repair": 0.0}
-        mender = None if self.replanner is None else Repairs(self.finder, self.replanner, self._feasible, self.repairs)
+        mender = None if self.replanner is None else Repairs(self.finder, self.replanner, self._feasible,
+                                                             self.options.repairs)
         while True:
             fleet = planned + [schedule.robot for schedule in self.fixed]
             encounters = _timed(spent, "encounters", lambda: self.finder.find(fleet, fixed=len(self.fixed)))
@@ -113,42 +136,49 @@ class _Job:
                 solution = _timed(spent, "solve", lambda: self._solve(planned, encounters))
                 break
             except Infeasible as error:
-                if mender is None or time.monotonic() > self.deadline:
+                if time.monotonic() > self.deadline:
                     raise
-                planned = self._mend(mender, planned, fleet, error, spent)
+                reason = error
+            planned = _timed(spent, "repair", lambda: self._mended(mender, planned, fleet, reason))
         schedules = self._schedules(fleet, encounters, solution)
         windows = [_window(fleet, encounter, order) for encounter, order in zip(encounters, solution.orders)]
         return FleetSchedule(
-            tuple(schedules[robot.name] for robot in robots), tuple(windows), "exact",
+            tuple(schedules[robot.name] for robot in robots if robot.name in schedules), tuple(windows), "exact",
             objective=solution.objective, gap=_gap(solution.objective, solution.bound),
             planning_time=spent["repair"], encounter_time=spent["encounters"], solve_time=spent["solve"],
-            message="" if mender is None else "; ".join(mender.notes), amended=self._amended())
+            message="" if mender is None else "; ".join(mender.notes), amended=self._amended(),
+            unserved=tuple(sorted(self.unserved.items())))
 
     def run_one_by_one(self, robots: Sequence[Robot]) -> FleetSchedule:
         """Each robot round those before it."""
         parts: List[FleetSchedule] = []
         for robot in robots:
             parts.append(self.run([robot]))
-            self.fixed.append(parts[-1].schedules[0])
+            self.fixed += parts[-1].schedules
         latest = {schedule.name: schedule for schedule in self.fixed}
         return FleetSchedule(
-            tuple(latest[robot.name] for robot in robots), tuple(window for part in parts for window in part.windows),
-            "exact", objective=sum(part.objective for part in parts),
+            tuple(latest[robot.name] for robot in robots if robot.name not in self.unserved),
+            tuple(window for part in parts for window in part.windows), "exact",
+            objective=_total([part.objective for part in parts], self.options.makespan),
             gap=max((part.gap for part in parts), default=0.0),
             planning_time=sum(part.planning_time for part in parts),
             encounter_time=sum(part.encounter_time for part in parts),
             solve_time=sum(part.solve_time for part in parts),
-            message="; ".join(part.message for part in parts if part.message), amended=self._amended())
+            message="; ".join(part.message for part in parts if part.message), amended=self._amended(),
+            unserved=tuple(sorted(self.unserved.items())))
 
     def run_as_printed(self, robots: Sequence[Robot]) -> FleetSchedule:
         """Eq. 5-8 of the paper, all windows at once."""
+        if time.monotonic() > self.deadline:
+            raise TimedOut("no schedule within the time limit; allow more time")
         planned = sorted(robots, key=lambda robot: robot.name)
         fleet = planned + [schedule.robot for schedule in self.fixed]
         spent = {"encounters": 0.0, "solve": 0.0}
         encounters = _timed(spent, "encounters", lambda: self.finder.find(fleet, fixed=len(self.fixed)))
         result = _timed(spent, "solve", lambda: solve_as_printed(
-            fleet, self.fixed, encounters, margin=self.margin, solver=self.solver, deadline=self.deadline))
-        schedules = {robot.name: Schedule(robot, arcs, times, version=self.version)
+            fleet, self.fixed, encounters, margin=self.options.margin, solver=self.options.solver,
+            deadline=self.deadline))
+        schedules = {robot.name: Schedule(robot, arcs, times, version=self.options.version)
                      for robot, (arcs, times) in zip(planned, result.knots)}
         windows = [_window(fleet, encounter, encounter.orders[side])
                    for encounter, side in zip(encounters, result.sides)]
@@ -163,17 +193,42 @@ class _Job:
         contradictory = [encounter for encounter in encounters if contradiction(encounter, fleet)]
         if contradictory:
             raise _infeasible(contradictory[:1], fleet)
-        motions = [Motion(self._timing(robot), robot.depart) for robot in planned]
+        motions = [Motion(self._timing(robot), robot.depart, weight=robot.weight) for robot in planned]
         motions += [Motion(Timing(schedule.arc_lengths, schedule.times), 0.0, fixed=True) for schedule in fixed]
         try:
-            return ExactProgram(motions, encounters, margin=self.margin, solver=self.solver).solve(
-                deadline=self.deadline)
+            return ExactProgram(motions, encounters, margin=self.options.margin, makespan=self.options.makespan,
+                                gap=self.options.gap, effort=self.options.effort,
+                                solver=self.options.solver).solve(deadline=self.deadline)
         except Contradiction as error:
             raise _infeasible([encounters[window] for window in error.windows], fleet) from error
 
-    def _mend(self, mender: Repairs, planned: Sequence[Robot], fleet: Sequence[Robot], error: Infeasible,
-              spent: Dict[str, float]) -> List[Robot]:
-        return _timed(spent, "repair", lambda: mender.mend(planned, fleet, error))
+    def _mended(self, mender: Optional[Repairs], planned: Sequence[Robot], fleet: Sequence[Robot],
+                error: Infeasible) -> List[Robot]:
+        """The robots with other paths; or without one of them, where that is allowed."""
+        try:
+            if mender is None:
+                raise error
+            return mender.mend(planned, fleet, error)
+        except Infeasible:
+            if not self.options.partial:
+                raise
+        candidates = [robot for robot in planned if robot.name in error.robots]
+        if not candidates:
+            raise error
+        named = [name for pair in error.pairs for name in pair]
+        left = max(candidates, key=lambda robot: (-self._blocks(robot, fleet, error), named.count(robot.name),
+                                                  -robot.weight, robot.name))
+        log.warning("%s stays where it is: %s", left.name, error)
+        self.unserved[left.name] = str(error)
+        standing = Robot(left.name, left.path.points[:1], left.max_speed, left.body_radius)
+        self.fixed.append(Schedule(standing, np.zeros(1), np.zeros(1), version=self.options.version))
+        return [robot for robot in planned if robot.name != left.name]
+
+    def _blocks(self, robot: Robot, fleet: Sequence[Robot], error: Infeasible) -> int:
+        """In how many of the contradictory windows a robot would stand in the way even if it never left its start."""
+        others = {name for pair in error.pairs if robot.name in pair for name in pair} - {robot.name}
+        return sum(window.r_ends[0] for other in fleet if other.name in others
+                   for window in self.finder.between(robot, other))
 
     def _feasible(self, robots: Sequence[Robot]) -> bool:
         """Whether a few robots have a schedule among themselves; fixed ones count as still to be planned."""
@@ -193,7 +248,8 @@ class _Job:
 
     def _schedules(self, fleet: Sequence[Robot], encounters: Sequence[Encounter],
                    solution: Solution) -> Dict[str, Schedule]:
-        versions = [self.version] * (len(fleet) - len(self.fixed)) + [schedule.version for schedule in self.fixed]
+        version = self.options.version
+        versions = [version] * (len(fleet) - len(self.fixed)) + [schedule.version for schedule in self.fixed]
         precedences: Dict[int, List[Precedence]] = {}
         for order in solution.orders:
             precedences.setdefault(order.follower, []).extend(
@@ -203,7 +259,7 @@ class _Job:
         for index in range(len(fleet) - len(self.fixed)):
             robot = fleet[index]
             arcs, times = solution.paces[index].knots(self._timing(robot))
-            schedules[robot.name] = Schedule(robot, arcs, times, _sorted(precedences.get(index, [])), self.version)
+            schedules[robot.name] = Schedule(robot, arcs, times, _sorted(precedences.get(index, [])), version)
         for place, schedule in enumerate(self.fixed):
             kept = [rule for rule in schedule.precedences if rule.other not in schedules]
             waits = precedences.get(len(fleet) - len(self.fixed) + place, [])
@@ -228,6 +284,10 @@ def _timed(spent: Dict[str, float], what: str, work: Callable):  # type: ignore[
         spent[what] += time.perf_counter() - begun
 
 
+def _total(objectives: Sequence[float], makespan: bool) -> float:
+    return max(objectives, default=0.0) if makespan else sum(objectives)
+
+
 def _gap(objective: float, bound: float) -> float:
     return max(objective - bound, 0.0) / objective if objective > 0.0 else 0.0
 
@@ -250,42 +310,3 @@ def _infeasible(encounters: Sequence[Encounter], fleet: Sequence[Robot]) -> Infe
     return Infeasible(
         "no schedule on these paths: " + "; ".join(clauses) + ". Give one of them another path, start or goal",
         robots=names, pairs=[(fleet[encounter.r].name, fleet[encounter.s].name) for encounter in encounters])
-
-
-def _check(robots: Sequence[Robot], fixed: Sequence[Schedule], mode: str, formulation: str, margin: float,
-           tolerance: float, time_limit: float) -> None:
-    """Refuse what no schedule could come of."""
-    for value, choices, field in ((mode, MODES, "mode"), (formulation, FORMULATIONS, "formulation")):
-        if value not in choices:
-            raise InvalidScenario(f"must be one of {', '.join(choices)}, not {value!r}", field=field)
-    for number, field, positive in ((margin, "time_margin", False), (tolerance, "tracking_tolerance", False),
-                                    (time_limit, "time_limit", True)):
-        if not math.isfinite(number) or number < 0.0 or (positive and number == 0.0):
-            raise InvalidScenario(f"must be {'positive' if positive else 'zero or more'}, not {number!r}", field=field)
-    if not robots:
-        raise InvalidScenario("there is no robot to coordinate", field="robots")
-    everyone = list(robots) + [schedule.robot for schedule in fixed]
-    names = [robot.name for robot in everyone]
-    for name in names:
-        if names.count(name) > 1:
-            raise InvalidScenario(f"two robots are named {name}; names must differ", field="robots")
-    for schedule in fixed:
-        ends = schedule.arc_lengths[[0, -1]] - (0.0, schedule.robot.path.length)
-        if np.abs(ends).max() > _END_TOLERANCE:
-            raise InvalidScenario(f"the schedule of {schedule.name} must run from the start of its path to the end; "
-                                  "cut the path where the schedule is cut", field="fixed")
-    _check_apart(robots, 0, "start", tolerance, planned=len(robots))
-    _check_apart(everyone, -1, "goal", tolerance, planned=len(robots))
-
-
-def _check_apart(robots: Sequence[Robot], end: int, what: str, tolerance: float, planned: int) -> None:
-    points = np.array([robot.path.points[end] for robot in robots])
-    radii = np.array([robot.body_radius for robot in robots])
-    rows, columns = np.triu_indices(len(robots), 1)
-    rows, columns = rows[rows < planned], columns[rows < planned]
-    apart = np.hypot(*(points[rows] - points[columns]).T)
-    needed = radii[rows] + radii[columns] + 2.0 * tolerance
-    for pair in np.flatnonzero(apart < needed)[:1]:
-        r, s = robots[rows[pair]].name, robots[columns[pair]].name
-        raise InvalidScenario(f"{r} and {s} have {what}s {apart[pair]:.2f} m apart; their discs need "
-                              f"{needed[pair]:.2f} m", field="robots")

@@ -5,7 +5,7 @@ length only once the first has passed a matching one and stays clear of it from 
 of window, whatever speeds the robots drive at: see doc/coordination.md.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -64,8 +64,10 @@ class Encounter:
 
     def placed(self, r: int, s: int) -> "Encounter":
         """The same window of two robots at other positions in a fleet."""
-        return replace(self, r=r, s=s, r_first=replace(self.r_first, leader=r, follower=s),
-                       s_first=replace(self.s_first, leader=s, follower=r))
+        first, second = self.r_first, self.s_first
+        return Encounter(r, s, self.kind, self.r_extent, self.s_extent, self.r_ends, self.s_ends,
+                         Order(r, s, first.at, first.clear, first.possible),
+                         Order(s, r, second.at, second.clear, second.possible))
 
 
 class EncounterFinder:
@@ -82,6 +84,7 @@ class EncounterFinder:
         self._links: Dict[str, Links] = {}
         self._robots: Dict[str, Robot] = {}
         self._known: Dict[Tuple[str, str], Tuple[Encounter, ...]] = {}
+        self._placed: Dict[Tuple[int, int], Tuple[Tuple[Encounter, ...], Tuple[Encounter, ...]]] = {}
 
     def safety_distance(self, r: Robot, s: Robot) -> float:
         """Distance between two robots' centres below which they count as in each other's way [m]."""
@@ -92,8 +95,18 @@ class EncounterFinder:
         self._remember(robots)
         encounters: List[Encounter] = []
         for r, s in self._near_pairs(robots, fixed):
-            encounters += [encounter.placed(r, s) for encounter in self.between(robots[r], robots[s])]
+            windows = self.between(robots[r], robots[s])
+            if windows:
+                encounters += self._at(r, s, windows)
         return encounters
+
+    def _at(self, r: int, s: int, windows: Tuple[Encounter, ...]) -> Tuple[Encounter, ...]:
+        """Windows placed in a fleet; the same as last time where they are the same."""
+        source, placed = self._placed.get((r, s), ((), ()))
+        if source is not windows:
+            placed = tuple(encounter.placed(r, s) for encounter in windows)
+            self._placed[r, s] = windows, placed
+        return placed
 
     def between(self, r: Robot, s: Robot) -> Tuple[Encounter, ...]:
         """The windows of two robots alone, as robots 0 and 1."""
@@ -101,7 +114,7 @@ class EncounterFinder:
         names = r.name, s.name
         if names not in self._known:
             self._known[names] = tuple(_encounters(window_rows(
-                self._links[r.name], self._links[s.name], self.safety_distance(r, s))))
+                self._links_of(r), self._links_of(s), self.safety_distance(r, s))))
         return self._known[names]
 
     def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:
@@ -115,9 +128,14 @@ class EncounterFinder:
             if self._robots.get(robot.name) is not robot:
                 self._forget(robot.name)
                 self._robots[robot.name] = robot
-                self._links[robot.name] = cut_into_links(robot.path)
+
+    def _links_of(self, robot: Robot) -> Links:
+        if robot.name not in self._links:
+            self._links[robot.name] = cut_into_links(robot.path)
+        return self._links[robot.name]
 
     def _forget(self, name: str) -> None:
+        self._links.pop(name, None)
         for pair in [pair for pair in self._known if name in pair]:
             del self._known[pair]
 

@@ -32,7 +32,7 @@ Sides = Tuple[Optional[Wait], Optional[Wait]]
 
 @dataclass(frozen=True)
 class Motion:
-    """What the program knows of one robot: its fastest motion, when it may start, and whether that is settled.
+    """What the program knows of one robot: its fastest motion, when it may start, whether that is settled, its weight.
 
     For a `fixed` robot `timing` holds its schedule, on the fleet's clock, and `depart` is 0.
     """
@@ -40,6 +40,7 @@ class Motion:
     timing: Timing
     depart: float
     fixed: bool = False
+    weight: float = 1.0
 
 
 class Pace:
@@ -112,6 +113,21 @@ class Edges(NamedTuple):
     starts: np.ndarray
 
 
+class Rows(NamedTuple):
+    """The same waits window by window, for `order_state`.
+
+    Rows starts[2 w]..starts[2 w + 1] belong to window w with r first, the next to it with s first. `outgoing` lists
+    rows by tail, those of event e from out_starts[e] on; `owners` is 2 w + side for every row.
+    """
+
+    tails: np.ndarray
+    heads: np.ndarray
+    starts: np.ndarray
+    owners: np.ndarray
+    outgoing: np.ndarray
+    out_starts: np.ndarray
+
+
 class EventGraph:
     """The events of a fleet and the waits between them, of both orders of every window.
 
@@ -137,7 +153,15 @@ class EventGraph:
             np.concatenate([own + motion.depart for own, motion in zip(self._moments, motions)]), first,
             np.repeat([motion.fixed for motion in motions], np.diff(self._offsets)),
             np.array([end - 1 for end, motion in zip(self._offsets[1:], motions) if not motion.fixed], dtype=np.int64))
-        self.edges = self._edges(waits)
+        self.rows = self._rows(waits, len(windows))
+        self.edges = Edges(self.rows.tails[self.rows.outgoing], self.rows.heads[self.rows.outgoing],
+                           self.rows.owners[self.rows.outgoing] >> 1, self.rows.owners[self.rows.outgoing] & 1,
+                           self.rows.out_starts)
+
+    @property
+    def offsets(self) -> np.ndarray:
+        """Where each robot's events begin, and the end of all (R + 1,)."""
+        return self._offsets
 
     def event(self, robot: int, moments: np.ndarray) -> np.ndarray:
         """Positions of a robot's events at some of its moments."""
@@ -155,16 +179,17 @@ class EventGraph:
         return [Pace(own, times[low:high])
                 for own, low, high in zip(self._moments, self._offsets[:-1], self._offsets[1:])]
 
-    def _edges(self, waits: Sequence[Tuple[int, int, Wait]]) -> Edges:
+    def _rows(self, waits: Sequence[Tuple[int, int, Wait]], windows: int) -> Rows:
         none = [np.zeros(0, dtype=np.int64)]
         tails = np.concatenate([self.event(wait.leader, wait.clear) for _, _, wait in waits] or none)
         heads = np.concatenate([self.event(wait.follower, wait.at) for _, _, wait in waits] or none)
-        counts = [len(wait.at) for _, _, wait in waits]
-        owners = np.repeat(np.array([window for window, _, _ in waits], dtype=np.int64), counts)
-        chosen = np.repeat(np.array([side for _, side, _ in waits], dtype=np.int64), counts)
-        grouped = np.argsort(tails, kind="stable")
-        starts = np.searchsorted(tails[grouped], np.arange(self._offsets[-1] + 1))
-        return Edges(tails[grouped], heads[grouped], owners[grouped], chosen[grouped], starts)
+        counts = np.zeros(2 * windows, dtype=np.int64)
+        for window, side, wait in waits:
+            counts[2 * window + side] = len(wait.at)
+        starts = np.concatenate((np.zeros(1, dtype=np.int64), np.cumsum(counts)))
+        outgoing = np.argsort(tails, kind="stable")
+        out_starts = np.searchsorted(tails[outgoing], np.arange(self._offsets[-1] + 1))
+        return Rows(tails, heads, starts, np.repeat(np.arange(2 * windows), counts), outgoing, out_starts)
 
 
 def earliest(motions: Sequence[Motion], waits: Sequence[Wait], margin: float) -> Optional[List[Pace]]:

@@ -1,143 +1,268 @@
-"""Good orders quickly: greedy insertion of one window after the other, then single orders turned round.
+"""Good orders, and how good the best can be: large neighbourhoods from above, a master program from below.
 
-What that finds bounds the program from above, which is what lets big-M constants be small. For few windows, branch and
-bound over the orders proves the best of them sooner than a program is set up.
+`improve` keeps a solution and tries it again with the orders of a few robots open, as often as it is told to: equal
+input gives equal output, on every machine. `prove` asks the master (`delay_program`) for orders, sees in `order_state`
+what they really cost, tells the master why, and stops when the two meet. doc/coordination.md derives both.
 """
 
-from typing import List, Sequence, Tuple
+import itertools
+import math
+import time
+from typing import Dict, FrozenSet, Optional, Sequence, Set, Tuple
 
 import numpy as np
-from numba import njit
 
-from social_fleet.coordination.event_graph import EventGraph, Motion, Sides, longest_path
+from social_fleet.coordination.delay_program import DelayProgram
+from social_fleet.coordination.event_graph import EventGraph, Motion
+from social_fleet.coordination.order_state import Choice, OrderState
+from social_fleet.errors import TimedOut
 
-_PASSES = 20
+_FULL_CUT = 3  # orders of a cut for which all subsets are priced
+_MASTER_GAP = 0.02  # of the delays, to which the master is solved while the two have not met
+_WORTH = 1e-3  # delays that differ by less are the same [s]
+
+
+class Contradiction(Exception):
+    """Some windows have no common order; `windows` are their positions."""
+
+    def __init__(self, windows: Sequence[int]) -> None:
+        self.windows = tuple(sorted(windows))
+        super().__init__(f"windows {self.windows} have no common order")
 
 
 class OrderSearch:
-    """Orders of some windows, judged by the sum of the earliest arrivals that they allow.
+    """The search over the orders of a fleet's windows.
 
     Parameters
     ----------
+    graph : EventGraph
     motions : sequence of Motion
-        The whole fleet.
-    windows : sequence of (Wait or None, Wait or None)
-        What either order of each window asks for; None where it is not possible.
-    margin : float
-        [s]
+    weights : (R,) array
+        What a second of delay costs for each robot; 0 for fixed ones.
+    longest : bool
+        Whether the latest arrival counts, rather than the weighted sum.
+
+    Raises
+    ------
+    Contradiction
+        When what starts and goals demand cannot be.
     """
 
-    def __init__(self, motions: Sequence[Motion], windows: Sequence[Sides], margin: float) -> None:
-        self._windows = windows
-        self._graph = EventGraph(motions, windows, margin)
+    def __init__(self, graph: EventGraph, motions: Sequence[Motion], weights: np.ndarray, longest: bool) -> None:
+        self.state = OrderState(graph, motions, weights, longest)
+        self.sides = self.state.sides.copy()
+        self.cost = math.inf
+        self._rows = graph.rows
+        self._settle()
+        self.bound = self.state.cost()
+        self._unavoidable = self.state.arrivals().copy()
+        self._by_time = np.argsort(self.state.entries(), kind="stable")
+        self._root = self.state.given
+        self._cuts: Set[FrozenSet[Choice]] = set()
+        self._prices: Dict[Tuple[Choice, ...], Optional[np.ndarray]] = {(): np.zeros(len(motions))}
+        self._excluded: Set[FrozenSet[Choice]] = set()
+        self._blamed: Set[int] = set()
+        self._master = DelayProgram(self._unavoidable, weights, longest)
 
-    def delay(self, sides: np.ndarray) -> float:
-        """Delay of all arrivals together under `sides` (0: r first, 1: s first, -1: open) [s]; infinite on a cycle."""
-        return float(self._graph.least_times(sides)[1])
+    @property
+    def gap(self) -> float:
+        """How far the best orders can be from the optimum, as a share of their cost."""
+        return max(self.cost - self.bound, 0.0) / self.cost if 0.0 < self.cost < math.inf else 0.0
 
-    def prove(self, delay: float, sides: np.ndarray, *, nodes: int) -> Tuple[float, np.ndarray, bool]:
-        """Branch and bound from the best delay known [s] and its sides, over at most so many nodes.
+    @property
+    def size(self) -> int:
+        """How many windows the master knows."""
+        return len(self._master.windows)
 
-        A node leaves some windows open. Its earliest times are a bound for all below it, and where they happen to keep
-        an order in each open window, a solution. Otherwise it branches on the window that asks for the longest delay
-        whichever robot goes first.
-
-        Returns
-        -------
-        delay, sides, proven
-            The best delay now known [s], infinite when there is none, and whether there is surely no better.
-        """
-        root = np.array([-1 if None not in window else int(window[0] is None) for window in self._windows])
-        return _branch(self._graph.events, self._graph.edges, root, sides, delay, self._graph.margin, nodes)
-
-    def best(self) -> Tuple[float, np.ndarray]:
-        """The least delay found [s], infinite when none was, and its sides."""
-        sides = np.full(len(self._windows), -1, dtype=np.int64)
-        for window in self._by_time():
-            choices = []
-            for side in (0, 1):
-                if self._windows[window][side] is not None:
-                    sides[window] = side
-                    choices.append((self.delay(sides), side))
-            least, sides[window] = min(choices)
-            if not np.isfinite(least):
-                return least, sides
-        return self._improved(sides)
-
-    def _improved(self, sides: np.ndarray) -> Tuple[float, np.ndarray]:
-        least = self.delay(sides)
-        for _ in range(_PASSES):
-            before = least
-            for window, (r_first, s_first) in enumerate(self._windows):
-                if r_first is None or s_first is None:
-                    continue
-                sides[window] = 1 - sides[window]
-                delay = self.delay(sides)
-                if delay < least - 1e-9:
-                    least = delay
-                else:
-                    sides[window] = 1 - sides[window]
-            if least >= before:
+    def improve(self, rounds: int, *, gap: float, deadline: float) -> None:
+        """Look for better orders, `rounds` times, until within `gap` or the deadline on `time.monotonic`'s clock."""
+        rng = np.random.RandomState(0)
+        for index in range(rounds):
+            if (math.isfinite(self.cost) and self.gap <= gap) or time.monotonic() > deadline:
                 break
-        return least, sides
+            if math.isfinite(self.cost):
+                wanted = self._neighbour(rng)
+            elif index == 0:
+                wanted = np.full(len(self.sides), -1, dtype=np.int64)
+            else:
+                wanted = rng.randint(-1, 2, len(self.sides))
+            if wanted is None:
+                break
+            self._try(wanted)
 
-    def _by_time(self) -> List[int]:
-        """Windows by when the first robot could be there."""
-        entries = []
-        for window, sides in enumerate(self._windows):
-            times = [self._graph.events.floors[self._graph.event(wait.follower, wait.at[:1])[0]]
-                     for wait in sides if wait is not None]
-            entries.append((float(min(times)), window))
-        return [window for _, window in sorted(entries)]
+    def prove(self, rounds: int, *, gap: float, deadline: float, solver: Optional[str],
+              nodes: Optional[int] = None) -> None:
+        """Raise the bound, and lower the cost where the master knows better.
+
+        Parameters
+        ----------
+        rounds : int
+            Greatest number of calls of the master.
+        gap : float
+            Where the search may end.
+        deadline : float
+            On `time.monotonic`'s clock [s].
+        nodes : int, optional
+            Where the master's own search ends, each time.
+
+        Raises
+        ------
+        Contradiction
+            No orders at all.
+        """
+        fresh = True
+        for index in range(rounds):
+            if (math.isfinite(self.cost) and self.gap <= max(gap, 1e-9)) or time.monotonic() > deadline:
+                return
+            if index == 0:
+                for window in self.state.contested():
+                    for side in (0, 1):
+                        self._cut(frozenset([(int(window), side)]))
+            exact = not fresh
+            try:
+                proposal = self._master.solve(solver=solver, time_limit=deadline - time.monotonic(),
+                                              gap=0.0 if exact or gap == 0.0 else _MASTER_GAP, nodes=nodes)
+            except TimedOut:
+                return
+            if proposal is None:
+                if not math.isfinite(self.cost):
+                    raise Contradiction(sorted(self._blamed))
+                self.bound = self.cost
+                return
+            self.bound = min(max(self.bound, proposal.bound), self.cost)
+            before = len(self._cuts) + len(self._excluded)
+            self._follow(proposal.sides, self._unavoidable + proposal.delays)
+            fresh = len(self._cuts) + len(self._excluded) > before
+            if not fresh and exact:
+                return
+
+    def _settle(self) -> None:
+        """Give the orders that starts and goals demand."""
+        for window in np.flatnonzero(~self.state.possible.all(axis=1)):
+            bad = self.state.give(int(window), int(not self.state.possible[window, 0]))
+            if bad is not None:
+                raise Contradiction(sorted(self.state.explain_windows(bad)))
+        self.state.settle()
+
+    def _neighbour(self, rng: np.random.RandomState) -> Optional[np.ndarray]:
+        """The best orders with those of some robots open, and perhaps one of them turned round."""
+        wanted = np.where(self.state.sides < 0, self.sides, -1)
+        active = np.flatnonzero(wanted >= 0)
+        if not len(active):
+            return None
+        turned = int(active[rng.randint(len(active))])
+        kind = rng.randint(3)
+        if kind == 0:
+            robots = rng.choice(len(self._unavoidable), rng.randint(1, 5))
+        else:
+            robots = self.state.robots_of(turned)
+        if kind != 1:
+            wanted[[window for robot in robots for window in self.state.windows_of(int(robot))]] = -1
+        if kind != 0:
+            wanted[turned] = 1 - self.sides[turned]
+        return wanted
+
+    def _try(self, wanted: np.ndarray) -> None:
+        cost, sides = self.state.dive(wanted, self._by_time, self.cost)
+        if cost < self.cost - 1e-9:
+            self._take(cost, sides)
+
+    def _take(self, cost: float, sides: np.ndarray) -> None:
+        """Keep better orders; from now on, what costs as much counts as impossible."""
+        self.cost, self.sides = cost, sides
+        state = self.state
+        counted = state.weights > 0.0
+        if state.longest:
+            latest = np.full(int(counted.sum()), cost)
+        else:
+            spare = cost - float(state.weights @ self._unavoidable)
+            latest = self._unavoidable[counted] + spare / state.weights[counted] + _WORTH
+        state.latest[counted] = np.minimum(state.latest[counted], latest)
+
+    def _follow(self, proposed: Dict[int, int], arrivals: np.ndarray) -> None:
+        """See what proposed orders cost, tell the master why it is more, and complete them to a solution."""
+        state = self.state
+        given: Dict[int, int] = {}
+        complete = True
+        for window in self._by_time:
+            if window in proposed:
+                if self._give(int(window), proposed[window]):
+                    given[int(window)] = proposed[window]
+                else:
+                    complete = False
+        known = state.arrivals().copy()
+        reasons = [state.explain(int(state.goals[robot]))
+                   for robot in np.flatnonzero(known > arrivals + _WORTH)] if complete else []
+        for window in state.contested():
+            for side in (0, 1):
+                if self._give(int(window), side):
+                    reasons += [state.explain(int(state.goals[robot]))
+                                for robot in np.flatnonzero(state.arrivals() > known + _WORTH)]
+                    state.take_back(state.given - 1)
+        state.take_back(self._root)
+        wanted = np.full(len(self.sides), -1, dtype=np.int64)
+        wanted[list(given)] = list(given.values())
+        self._try(wanted)
+        for reason in reasons:
+            self._cut(reason)
+
+    def _give(self, window: int, side: int) -> bool:
+        """Give an order; where it cannot be, tell the master why and leave it."""
+        bad = self.state.give(window, side)
+        if bad is None:
+            return True
+        self._blamed |= self.state.explain_windows(bad)
+        self._exclude(self.state.explain(bad))
+        self.state.take_back(self.state.given - 1)
+        return False
+
+    def _exclude(self, choices: FrozenSet[Choice]) -> None:
+        if choices not in self._excluded:
+            self._excluded.add(choices)
+            self._master.exclude(choices)
+
+    def _price(self, choices: Tuple[Choice, ...]) -> Optional[np.ndarray]:
+        """Delays that some orders cause (R,) [s]; None when they cannot all be."""
+        if choices not in self._prices:
+            possible = all(self._give(*choice) for choice in choices)
+            self._prices[choices] = self.state.arrivals() - self._unavoidable if possible else None
+            self.state.take_back(self._root)
+        return self._prices[choices]
+
+    def _cut(self, choices: FrozenSet[Choice]) -> None:
+        """Tell the master what some orders together cost, robot by robot."""
+        if not choices or choices in self._cuts:
+            return
+        self._cuts.add(choices)
+        ordered = tuple(sorted(choices))
+        few = len(ordered) <= _FULL_CUT
+        subsets = {subset: self._price(subset) for size in range(len(ordered) + 1) if few or size == len(ordered)
+                   for subset in itertools.combinations(ordered, size)}
+        if any(price is None for price in subsets.values()):
+            return
+        whole = subsets[ordered]
+        assert whole is not None
+        for robot in np.flatnonzero(whole > _WORTH):
+            shares = _shares(ordered, subsets, int(robot)) if few else dict.fromkeys(ordered, float(whole[robot]))
+            if len(ordered) == 1 or min(shares.values()) > _WORTH:
+                self._master.add_delay(int(robot), float(whole[robot]), shares)
 
 
-@njit(cache=True)
-def _shortfalls(edges, sides, times, margin):  # type: ignore[no-untyped-def]
-    """For each open window and side, by how much the times miss what that side asks for."""
-    missing = np.zeros((len(sides), 2))
-    for edge in range(len(edges.heads)):
-        owner = edges.owners[edge]
-        if sides[owner] < 0:
-            late = times[edges.tails[edge]] + margin - times[edges.heads[edge]]
-            missing[owner, edges.chosen[edge]] = max(missing[owner, edges.chosen[edge]], late)
-    return missing
+def _shares(choices: Tuple[Choice, ...], prices: Dict[Tuple[Choice, ...], Optional[np.ndarray]],
+            robot: int) -> Dict[Choice, float]:
+    """By how much a robot's delay falls at most with each of some orders that is not chosen, for any others chosen."""
+    def price(subset: Sequence[Choice]) -> float:
+        found = prices[tuple(subset)]
+        assert found is not None
+        return float(found[robot])
 
-
-@njit(cache=True)
-def _branch(events, edges, root, sides, best, margin, limit):  # type: ignore[no-untyped-def]
-    """Depth first, the incumbent's side of each window first; see `OrderSearch.prove`."""
-    windows = len(root)
-    stack = np.empty((windows + 2, windows), np.int64)
-    stack[0] = root
-    top = 1
-    incumbent = sides.copy()
-    visited = 0
-    while top > 0:
-        if visited >= limit:
-            return best, incumbent, False
-        visited += 1
-        top -= 1
-        node = stack[top].copy()
-        times, delay = longest_path(events, edges, node, margin)
-        if delay >= best - 1e-9:
-            continue
-        missing = _shortfalls(edges, node, times, margin)
-        chosen, worst = -1, 1e-9
-        for window in range(windows):
-            if node[window] < 0:
-                least = min(missing[window, 0], missing[window, 1])
-                if least > worst:
-                    chosen, worst = window, least
-        if chosen < 0:
-            best = delay
-            for window in range(windows):
-                incumbent[window] = node[window]
-                if node[window] < 0:
-                    incumbent[window] = 0 if missing[window, 0] <= missing[window, 1] else 1
-            continue
-        preferred = max(incumbent[chosen], 0)
-        for side in (1 - preferred, preferred):
-            stack[top] = node
-            stack[top, chosen] = side
-            top += 1
-    return best, incumbent, True
+    whole = price(choices)
+    shares = {choice: whole - price([other for other in choices if other != choice]) for choice in choices}
+    for size in range(len(choices) - 1):
+        for subset in itertools.combinations(choices, size):
+            absent = [choice for choice in choices if choice not in subset]
+            lack = whole - sum(shares[choice] for choice in absent) - price(subset)
+            if lack > 0.0:
+                for choice in absent:
+                    shares[choice] += lack / len(absent)
+    return shares

@@ -12,6 +12,9 @@ from social_fleet.geometry import Polyline, Pose
 from social_fleet.planning.plan import Plan
 
 
+_MOST = 1000.0  # of any limit: beyond what drives, and within what times can be computed for
+
+
 def _is_finite(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -28,8 +31,8 @@ class MotionLimits:
     def __post_init__(self) -> None:
         for name in ("max_speed", "max_acceleration", "max_turn_rate", "max_turn_acceleration"):
             value = getattr(self, name)
-            if not (_is_finite(value) and value > 0.0):
-                raise InvalidScenario(f"must be a positive number, not {value!r}", field=name)
+            if not (_is_finite(value) and 0.0 < value <= _MOST):
+                raise InvalidScenario(f"must be a positive number, at most {_MOST:g}, not {value!r}", field=name)
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,8 @@ class Robot:
         Radius of the body's disc [m]; the plan's by default.
     depart : float
         Earliest time of motion [s], on the fleet's common clock.
+    weight : float
+        Priority: what a second of its delay costs in the sum of completion, against 1 for others.
     start_yaw, goal_yaw : float, optional
         Headings at the ends [rad]; the plan's by default, None where any will do.
     max_acceleration, max_turn_rate, max_turn_acceleration : float
@@ -69,6 +74,7 @@ class Robot:
     max_acceleration: float = MotionLimits.max_acceleration
     max_turn_rate: float = MotionLimits.max_turn_rate
     max_turn_acceleration: float = MotionLimits.max_turn_acceleration
+    weight: float = 1.0
     path: Polyline = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -90,6 +96,8 @@ class Robot:
                 raise InvalidScenario(f"robot {self.name}: must be finite, not {yaw!r}", field=end)
         if not (_is_finite(self.radius) and self.body_radius > 0.0):
             raise InvalidScenario(f"robot {self.name}: must be positive, not {self.radius!r}", field="radius")
+        if not (_is_finite(self.weight) and self.weight > 0.0):
+            raise InvalidScenario(f"robot {self.name}: must be positive, not {self.weight!r}", field="weight")
         if not (_is_finite(self.depart) and self.depart >= 0.0):
             raise InvalidScenario(f"robot {self.name}: must not be negative, not {self.depart!r}",
                                   field="depart")

@@ -8,6 +8,8 @@ import numpy as np
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import InvalidSchedule
 
+_OFF_PATH = 1e-3  # by which a knot may lie beyond the ends of the path [m]
+
 KINDS = ("intersection", "opposite_direction", "same_direction")
 
 
@@ -59,7 +61,10 @@ class Schedule:
     version: int = 0
 
     def __post_init__(self) -> None:
-        arcs, times = np.asarray(self.arc_lengths, dtype=float), np.asarray(self.times, dtype=float)
+        try:
+            arcs, times = np.asarray(self.arc_lengths, dtype=float), np.asarray(self.times, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InvalidSchedule(f"robot {self.name}: a knot is no number") from error
         object.__setattr__(self, "arc_lengths", arcs)
         object.__setattr__(self, "times", times)
         if arcs.ndim != 1 or arcs.shape != times.shape or len(arcs) < 1:
@@ -70,6 +75,10 @@ class Schedule:
             raise InvalidSchedule(f"robot {self.name}: must rise from knot to knot", field="times")
         if (np.diff(arcs) < 0.0).any():
             raise InvalidSchedule(f"robot {self.name}: must not fall", field="arc_lengths")
+        length = self.robot.path.length
+        if arcs[0] < -_OFF_PATH or arcs[-1] > length + _OFF_PATH:
+            raise InvalidSchedule(f"robot {self.name}: must lie on the path, from 0 to {length:.3f} m",
+                                  field="arc_lengths")
 
     @property
     def name(self) -> str:
@@ -103,12 +112,15 @@ class FleetSchedule:
     formulation : str
         ``exact`` or ``paper``.
     objective, gap : float
-        Sum of completion times [s] of the planned robots; relative distance to the proven bound.
+        Weighted sum of completion times of the planned robots, or their makespan [s]; relative distance to the proven
+        bound.
     planning_time, encounter_time, solve_time : float
         Wall times [s] of path planning (repairs included), window search, and the program.
     amended : tuple of Schedule
         Fixed schedules whose precedences changed: the robot now waits for a planned one that goes first, or no longer
         for the past schedule of one that was planned anew. Motion and version are as before; send them to their robots.
+    unserved : tuple of (name, reason)
+        Robots that were left out (`partial`), and what stands against serving them.
     status, message : str
         ``ok``, and what happened on the way (repairs), for people.
     """
@@ -125,6 +137,7 @@ class FleetSchedule:
     status: str = "ok"
     message: str = ""
     amended: Tuple[Schedule, ...] = ()
+    unserved: Tuple[Tuple[str, str], ...] = ()
 
     def __getitem__(self, name: str) -> Schedule:
         return self.by_name[name]

@@ -21,13 +21,19 @@ class ScipyHighs(pulp.LpSolver):
     ----------
     time_limit : float
         Wall time after which the best solution so far is taken [s].
+    gap : float
+        Relative distance to the bound at which a solution is good enough.
+    nodes : int, optional
+        Nodes of branch and bound after which the best solution so far is taken.
     """
 
     name = "SCIPY_HIGHS"
 
-    def __init__(self, time_limit: float) -> None:
+    def __init__(self, time_limit: float, gap: float = 0.0, nodes: Optional[int] = None) -> None:
         super().__init__(mip=True, msg=False)
         self.time_limit = time_limit
+        self.gap = gap
+        self.nodes = nodes
         self.bound = -math.inf
 
     def available(self) -> bool:
@@ -53,9 +59,11 @@ class ScipyHighs(pulp.LpSolver):
         bounds = Bounds([-math.inf if variable.lowBound is None else variable.lowBound for variable in variables],
                         [math.inf if variable.upBound is None else variable.upBound for variable in variables])
         matrix = csr_matrix((values, (rows, columns)), shape=(len(low), len(variables)))
+        options = {"time_limit": max(self.time_limit, 0.01), "mip_rel_gap": self.gap}
+        if self.nodes is not None:
+            options["node_limit"] = self.nodes
         result = milp(costs, constraints=LinearConstraint(matrix, low, high) if low else None, bounds=bounds,
-                      integrality=[variable.cat == pulp.LpInteger for variable in variables],
-                      options={"time_limit": max(self.time_limit, 0.01), "mip_rel_gap": 0.0})
+                      integrality=[variable.cat == pulp.LpInteger for variable in variables], options=options)
         return self._store(lp, variables, result)
 
     def _store(self, lp: pulp.LpProblem, variables: list, result: object) -> int:
@@ -72,7 +80,8 @@ class ScipyHighs(pulp.LpSolver):
         return status
 
 
-def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) -> Optional[float]:
+def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float, gap: float = 0.0,
+          nodes: Optional[int] = None) -> Optional[float]:
     """Solve `program` in place.
 
     Parameters
@@ -81,6 +90,10 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
         ``highs``, ``cbc``, or any name that ``pulp.listSolvers()`` knows; by default HiGHS where there, else CBC.
     time_limit : float
         [s]
+    gap : float
+        Relative distance to the bound at which a solution is good enough; HiGHS in process only.
+    nodes : int, optional
+        Nodes of branch and bound after which the best solution so far will do; HiGHS in process only.
 
     Returns
     -------
@@ -91,11 +104,13 @@ def solve(program: pulp.LpProblem, *, solver: Optional[str], time_limit: float) 
     Raises
     ------
     TimedOut
-        When the limit passed without any solution.
+        When a limit passed without any solution.
     SolverFailed, InvalidParameter
         When the solver broke down, or is not there.
     """
     engine = find_solver(solver, time_limit)
+    if isinstance(engine, ScipyHighs):
+        engine.gap, engine.nodes = gap, nodes
     status = program.solve(engine)
     if status == pulp.LpStatusInfeasible:
         return None

@@ -6,6 +6,7 @@ a share of each limit; the rest is the tracker's reserve for catching up and for
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import List, Optional, Tuple, Union
 
 import numpy as np
@@ -48,22 +49,23 @@ class Timing:
 
     def first_time(self, arc_length: Arcs) -> np.ndarray:
         """When the robot first reaches `arc_length` [s]."""
-        arcs, starts, ends = self._stays()
-        index = np.clip(np.searchsorted(arcs, arc_length, side="left"), 0, len(arcs) - 1)
+        arcs, starts, ends = self._stays
+        index = np.minimum(np.searchsorted(arcs, arc_length, side="left"), len(arcs) - 1)
         before = np.maximum(index - 1, 0)
         reach = np.maximum(arcs[index] - arcs[before], 1e-12)
-        share = np.clip((np.asarray(arc_length) - arcs[before]) / reach, 0.0, 1.0)
+        share = np.minimum(np.maximum((np.asarray(arc_length) - arcs[before]) / reach, 0.0), 1.0)
         return np.where(index == before, starts[index], ends[before] + share * (starts[index] - ends[before]))
 
     def last_time(self, arc_length: Arcs) -> np.ndarray:
         """When the robot leaves `arc_length` [s]."""
-        arcs, starts, ends = self._stays()
-        index = np.clip(np.searchsorted(arcs, arc_length, side="right") - 1, 0, len(arcs) - 1)
+        arcs, starts, ends = self._stays
+        index = np.maximum(np.searchsorted(arcs, arc_length, side="right") - 1, 0)
         after = np.minimum(index + 1, len(arcs) - 1)
         reach = np.maximum(arcs[after] - arcs[index], 1e-12)
-        share = np.clip((np.asarray(arc_length) - arcs[index]) / reach, 0.0, 1.0)
+        share = np.minimum(np.maximum((np.asarray(arc_length) - arcs[index]) / reach, 0.0), 1.0)
         return np.where(index == after, ends[index], ends[index] + share * (starts[after] - ends[index]))
 
+    @cached_property
     def _stays(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The knots' arc lengths [m], each once, with when the robot comes there and when it goes on [s]."""
         arcs, first, counts = np.unique(self.arc_lengths, return_index=True, return_counts=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Iterable, List, Sequence, Tuple, Union
 
 import numpy as np
+from numba import njit
 
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 
@@ -75,25 +76,44 @@ def _track(schedule: Schedule) -> Tuple[np.ndarray, np.ndarray]:
     return moments, np.stack([np.interp(along, path.arc_lengths, path.points[:, axis]) for axis in (0, 1)], axis=1)
 
 
-def _closest_approach(r_times: np.ndarray, r_points: np.ndarray,
-                      s_times: np.ndarray, s_points: np.ndarray) -> Tuple[float, float]:
-    """Smallest distance between two tracks [m], and its first time [s]."""
-    moments = np.unique(np.concatenate((r_times, s_times)))
-    offsets = np.stack([np.interp(moments, r_times, r_points[:, axis]) - np.interp(moments, s_times, s_points[:, axis])
-                        for axis in (0, 1)], axis=1)
-    distances = np.hypot(offsets[:, 0], offsets[:, 1])
-    best = int(np.argmin(distances))
-    smallest, when = float(distances[best]), float(moments[best])
-    steps = np.diff(offsets, axis=0)
-    squares = np.einsum("ij,ij->i", steps, steps)
-    moving = squares > 0.0
-    if not moving.any():
-        return smallest, when
-    share = np.clip(-np.einsum("ij,ij->i", offsets[:-1], steps)[moving] / squares[moving], 0.0, 1.0)
-    nearest = offsets[:-1][moving] + share[:, None] * steps[moving]
-    distances = np.hypot(nearest[:, 0], nearest[:, 1])
-    best = int(np.argmin(distances))
-    if distances[best] < smallest:
-        smallest = float(distances[best])
-        when = float(moments[:-1][moving][best] + share[best] * np.diff(moments)[moving][best])
-    return smallest, when
+@njit(cache=True)
+def _closest_approach(r_times, r_points, s_times, s_points):  # type: ignore[no-untyped-def]
+    """Smallest distance between two tracks [m], and its first time [s]: break by break of either, in closed form."""
+    r, s = 0, 0
+    time = min(r_times[0], s_times[0])
+    x, y = r_points[0, 0] - s_points[0, 0], r_points[0, 1] - s_points[0, 1]
+    smallest, when = x * x + y * y, time
+    while r < len(r_times) or s < len(s_times):
+        upcoming = np.inf
+        if r < len(r_times):
+            upcoming = r_times[r]
+        if s < len(s_times):
+            upcoming = min(upcoming, s_times[s])
+        r_x, r_y = _position(r_times, r_points, r, upcoming)
+        s_x, s_y = _position(s_times, s_points, s, upcoming)
+        step_x, step_y = r_x - s_x - x, r_y - s_y - y
+        square = step_x * step_x + step_y * step_y
+        share = 1.0
+        if square > 0.0:
+            share = min(max(-(x * step_x + y * step_y) / square, 0.0), 1.0)
+        near_x, near_y = x + share * step_x, y + share * step_y
+        if near_x * near_x + near_y * near_y < smallest:
+            smallest, when = near_x * near_x + near_y * near_y, time + share * (upcoming - time)
+        x, y, time = r_x - s_x, r_y - s_y, upcoming
+        while r < len(r_times) and r_times[r] <= upcoming:
+            r += 1
+        while s < len(s_times) and s_times[s] <= upcoming:
+            s += 1
+    return np.sqrt(smallest), when
+
+
+@njit(cache=True)
+def _position(times, points, upcoming, time):  # type: ignore[no-untyped-def]
+    """Where a track is at `time`, whose break `upcoming` is the first not before it; it stands before and after all."""
+    if upcoming == 0:
+        return points[0, 0], points[0, 1]
+    if upcoming == len(times):
+        return points[upcoming - 1, 0], points[upcoming - 1, 1]
+    share = (time - times[upcoming - 1]) / (times[upcoming] - times[upcoming - 1])
+    return (points[upcoming - 1, 0] + share * (points[upcoming, 0] - points[upcoming - 1, 0]),
+            points[upcoming - 1, 1] + share * (points[upcoming, 1] - points[upcoming - 1, 1]))
