@@ -30,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="a map of your own beside the paper's environments, or in their stead where an experiment "
                              "draws one map; may be given several times")
     parser.add_argument("--only", action="store_true", help="run on the maps of --map alone")
-    parser.add_argument("--trials", type=count, metavar="N", help="random pairs, paths or fleets; doc/experiments.md says which; default: the paper's")
+    parser.add_argument("--trials", type=count, metavar="N",
+                        help="random pairs, paths or fleets; doc/experiments.md says which; default: the paper's")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="same seed, same pairs; default: 0")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the files; created when not there")
 

@@ -12,7 +12,7 @@ from social_fleet.experiments.cells import Cell, Work
 from social_fleet.experiments.charts import add_caption, add_title, label_ends, plain_frame
 from social_fleet.experiments.fleets import random_specs, seed_of, windows_of
 from social_fleet.experiments.frame import Experiment, Result, Row, World
-from social_fleet.experiments.overlaps import overlapping
+from social_fleet.experiments.overlaps import overlaps_of
 from social_fleet.experiments.trials import COLOURS, METHODS, solve, three_methods
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario.pictures.colours import INK
@@ -69,12 +69,11 @@ def cells_of(grid: OccupancyGrid, trials: int, seed: int) -> List[Cell]:
         return made
 
     def count(trial: int) -> Dict[str, List[Row]]:
-        return {method: [{"robots": size, **measure(fleet[:size])} for size in SIZES]
-                for method, fleet in fleets(trial, SIZES[-1]).items()}
+        return {method: measure(fleet) for method, fleet in fleets(trial, SIZES[-1]).items()}
 
     def example() -> Dict[str, Row]:
         return {method: {"paths": [robot.path.points for robot in fleet],
-                         "meeting": np.concatenate(overlapping([robot.path for robot in fleet], 2.0 * RADIUS))}
+                         "meeting": overlaps_of([robot.path for robot in fleet], 2.0 * RADIUS).middles}
                 for method, fleet in fleets(0, SHOWN).items()}
 
     key = {"map": grid.digest, "seed": seed}
@@ -82,11 +81,14 @@ def cells_of(grid: OccupancyGrid, trials: int, seed: int) -> List[Cell]:
     return [*cells, Cell({**key, "example": SHOWN}, example)]
 
 
-def measure(fleet: Sequence[Robot]) -> Row:
-    """What Figure 11 counts of one fleet: segments, and windows."""
-    segments = sum(map(len, overlapping([robot.path for robot in fleet], 2.0 * RADIUS)))
-    windows = [window for window in windows_of(fleet) if window.kind != "same_direction"]
-    return {"segments": segments, "windows": len(windows)}
+def measure(fleet: Sequence[Robot]) -> List[Row]:
+    """What Figure 11 counts, segments and windows, of the first robots of a fleet, for every size."""
+    overlaps = overlaps_of([robot.path for robot in fleet], 2.0 * RADIUS)
+    places = {robot.name: index for index, robot in enumerate(fleet)}
+    windows = np.array([max(places[window.robot_r], places[window.robot_s]) + 1 for window in windows_of(fleet)
+                        if window.kind != "same_direction"])
+    return [{"robots": size, "segments": overlaps.count(size), "windows": int((windows <= size).sum())}
+            for size in SIZES]
 
 
 def rows_of(world: World, trials: Sequence[Dict[str, List[Row]]]) -> List[Row]:

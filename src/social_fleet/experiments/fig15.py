@@ -49,13 +49,13 @@ class Figure15(Experiment):
                  for index in range(len(cases))]
         rows = [row_of(world, each) for each in found]
         longest = ", ".join(f"{row['together_max']:.1f} s with {row['robots']} robots" for row in rows
-                               if row["together_max"] is not None)
+                            if row["together_max"] is not None)
         caption = (
-            "Two and three robots that reach a crossing at the same time, on social paths. Left: all of it; beside that "
-            "the crossing, enlarged, as one after the other passes; yellow and red: where two could touch. Bars: when "
-            "each is there. In the paper, too, one passes at a time and the others wait outside. Here the second comes "
-            "in once it cannot touch the first any more, which may be before that has left altogether; at most, in "
-            f"{trials} trials with departures from 0 to {LATEST:g} s, {longest}.")
+            "Two and three robots that reach a crossing at the same time, on social paths. Left: all of it; beside "
+            "that the crossing, enlarged, as one after the other passes; yellow and red: where two could touch. Bars: "
+            "when each is there. In the paper, too, one passes at a time and the others wait outside. Here the second "
+            "comes in once it cannot touch the first any more, which may be before that has left altogether; at most, "
+            f"in {trials} trials with departures from 0 to {LATEST:g} s, {longest}.")
         details = {"schedules": [each[0].to_value()["fleet"] for each in found]}
         return Result(self.name, caption, rows, {"maps": [world.name], "trials": trials, "seed": seed},
                       _draw(world, [each[0] for each in found], caption), details)

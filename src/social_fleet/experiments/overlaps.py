@@ -1,7 +1,7 @@
 """How much the paths of a fleet get into each other's way: what Figure 11 counts."""
 
 import math
-from typing import List, NamedTuple, Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -27,8 +27,22 @@ def segments_of(path: Polyline) -> Segments:
     return Segments(path.position(middles), path.segment_headings[which])
 
 
-def overlapping(paths: Sequence[Polyline], distance: float) -> List[np.ndarray]:
-    """For each path the middles (K, 2) [m] of its segments that another robot's path overlaps and does not run along.
+class Overlaps(NamedTuple):
+    """Segments in which a fleet's robots get into each other's way: middles (K, 2) [m], and `sizes` (K,).
+
+    Segment k is one already in the fleet of the first `sizes[k]` robots.
+    """
+
+    middles: np.ndarray
+    sizes: np.ndarray
+
+    def count(self, size: int) -> int:
+        """How many there are in the fleet of the first `size` robots."""
+        return int((self.sizes <= size).sum())
+
+
+def overlaps_of(paths: Sequence[Polyline], distance: float) -> Overlaps:
+    """The segments that another robot's path overlaps and does not run along.
 
     Two segments overlap when their middles are closer than `distance` [m], and are left out when their headings differ
     by no more than 45 degrees: robots that drive there follow each other. A segment counts once, however many overlap
@@ -38,10 +52,12 @@ def overlapping(paths: Sequence[Polyline], distance: float) -> List[np.ndarray]:
     owners = np.repeat(np.arange(len(paths)), [len(piece.middles) for piece in pieces])
     middles = np.concatenate([piece.middles for piece in pieces])
     headings = np.concatenate([piece.headings for piece in pieces])
-    close = cKDTree(middles).query_pairs(distance, output_type="ndarray").reshape(-1, 2)
-    one, two = close.T
+    one, two = cKDTree(middles).query_pairs(distance, output_type="ndarray").reshape(-1, 2).T
     turns = np.abs((headings[one] - headings[two] + math.pi) % (2.0 * math.pi) - math.pi)
-    meeting = close[(owners[one] != owners[two]) & (turns > ALONG)]
-    marked = np.zeros(len(middles), dtype=bool)
-    marked[meeting.ravel()] = True
-    return [middles[marked & (owners == index)] for index in range(len(paths))]
+    meeting = (owners[one] != owners[two]) & (turns > ALONG)
+    one, two = one[meeting], two[meeting]
+    sizes = np.full(len(middles), len(paths) + 1)
+    for segment in (one, two):
+        np.minimum.at(sizes, segment, np.maximum(owners[one], owners[two]) + 1)
+    found = sizes <= len(paths)
+    return Overlaps(middles[found], sizes[found])
