@@ -1,7 +1,8 @@
 """Run one of the paper's experiments again: NAME.json, NAME.csv and NAME.png, the paper's figures beside ours.
 
 table2: length, right distance and time of A*, RRT* and the social planner. fig6: their paths. fig7: the social graph as
-it grows, and round an obstacle. fig8: planning time on the graph. predictability: entropy of headings per place.
+it grows, and round an obstacle. fig8: planning time on the graph. fig12, table3: encounter windows searched by one
+robot, and by the fleet in shares. predictability: entropy of headings per place.
 
 What is finished is kept in DIR/NAME.cells: after an interruption the same command goes on where it was.
 """

@@ -14,6 +14,8 @@ EXPERIMENTS = {
     "fig6": ("fig6", "Figure6"),
     "fig7": ("fig7", "Figure7"),
     "fig8": ("fig8", "Figure8"),
+    "fig12": ("fig12", "Figure12"),
+    "table3": ("table3", "Table3"),
     "predictability": ("routes", "PredictabilityOfRoutes"),
 }
 
