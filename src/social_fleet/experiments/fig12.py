@@ -31,8 +31,9 @@ class Figure12(Experiment):
         growth = {name: {which: growth_of([row for row in rows if row["map"] == name], which) for which in STYLES}
                   for name in names}
         caption = (
-            f"Medians of {trials} random fleets of each size, each time the median of {REPEATS}; shared: until the "
-            f"slowest robot has searched its pairs. Number of robots to the power of, from {GROWN_FROM} robots on: "
+            f"Medians of {trials} random fleets of each size; processor time, each the median of {REPEATS}. Shared: "
+            "until the last robot has searched its pairs. They grow with the number of robots to the power of, from "
+            f"{GROWN_FROM} robots on: "
             + "; ".join(f"{name.replace('_', ' ')} " + ", ".join(
                 f"{STYLES[which][0]} {power:.1f}" for which, power in powers.items() if power is not None)
                 for name, powers in growth.items())
