@@ -33,8 +33,8 @@ class Table3(Experiment):
         caption = (
             f"{trials} random fleets of each size. Processor time, each the median of {REPEATS}, mean over the fleets; "
             "saved: of the time that one robot takes for all pairs. All windows are there when the last robot is done. "
-            "Time saved is less than pairs saved, for pairs take unequally long: those that never come near cost next "
-            "to nothing. Hollow marks are the paper's figures, from robots that also had to talk to each other. Here "
+            "Time saved is less than pairs saved: pairs take unequally long, and each robot cuts the paths of its "
+            "pairs into links itself. Hollow marks are the paper's figures, from robots that also had to talk. Here "
             f"nobody talks: sharing pays as long as that takes less than the {1e3 * saved:.2g} ms saved at most.")
         settings = {"maps": [world.name for world in worlds], "trials": trials, "seed": seed, "repeats": REPEATS}
         return Result(self.name, caption, rows, settings, _draw(rows, caption, several=len(worlds) > 1))
