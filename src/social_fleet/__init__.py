@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from social_fleet.coordination.robot import MotionLimits, Robot
     from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
     from social_fleet.coordination.verification import ClearanceReport, verify
-    from social_fleet.errors import (Infeasible, InvalidGoal, InvalidGraph, InvalidInput, InvalidMap,
-                                     InvalidOverlay, InvalidParameter, InvalidPose, InvalidScenario,
-                                     InvalidSchedule, InvalidStart, NoPath, NotReady, SocialFleetError,
+    from social_fleet.errors import (Disagreement, Infeasible, InvalidGoal, InvalidGraph, InvalidInput, InvalidMap,
+                                     InvalidMessage, InvalidOverlay, InvalidParameter, InvalidPose, InvalidScenario,
+                                     InvalidSchedule, InvalidStart, NoPath, NotReady, SilentRobot, SocialFleetError,
                                      SolverFailed, TimedOut)
     from social_fleet.geometry import Polyline, Pose
     from social_fleet.mapping.files import load_map, save_map
@@ -36,9 +36,10 @@ _HOMES = {
     "coordination.robot": ("MotionLimits", "Robot"),
     "coordination.schedule": ("EncounterWindow", "FleetSchedule", "Precedence", "Schedule"),
     "coordination.verification": ("ClearanceReport", "verify"),
-    "errors": ("Infeasible", "InvalidGoal", "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidOverlay",
-               "InvalidParameter", "InvalidPose", "InvalidScenario", "InvalidSchedule", "InvalidStart", "NoPath",
-               "NotReady", "SocialFleetError", "SolverFailed", "TimedOut"),
+    "errors": ("Disagreement", "Infeasible", "InvalidGoal", "InvalidGraph", "InvalidInput", "InvalidMap",
+               "InvalidMessage", "InvalidOverlay", "InvalidParameter", "InvalidPose", "InvalidScenario",
+               "InvalidSchedule", "InvalidStart", "NoPath", "NotReady", "SilentRobot", "SocialFleetError",
+               "SolverFailed", "TimedOut"),
     "geometry": ("Polyline", "Pose"),
     "mapping.files": ("load_map", "save_map"),
     "mapping.grid": ("OccupancyGrid",),
@@ -54,13 +55,13 @@ _HOMES = {
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "Cells", "ClearanceReport", "DiscObstacle", "EncounterWindow", "FleetSchedule", "Infeasible", "InvalidGoal",
-    "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidOverlay", "InvalidParameter", "InvalidPose",
-    "InvalidScenario", "InvalidSchedule", "InvalidStart", "MotionLimits", "NoPath", "NotReady", "OccupancyGrid",
-    "OverlaySet", "Plan", "PlannerConfig", "Polygon", "Polyline", "Pose", "Precedence", "Rectangle", "Robot",
-    "Scenario", "Schedule", "SocialFleetError", "SocialGraph", "SocialPlanner", "SolverFailed", "TimedOut",
-    "coordinate", "load_map", "load_scenario", "read_schedule", "save_map", "save_scenario", "verify",
-    "write_schedule",
+    "Cells", "ClearanceReport", "Disagreement", "DiscObstacle", "EncounterWindow", "FleetSchedule", "Infeasible",
+    "InvalidGoal", "InvalidGraph", "InvalidInput", "InvalidMap", "InvalidMessage", "InvalidOverlay",
+    "InvalidParameter", "InvalidPose", "InvalidScenario", "InvalidSchedule", "InvalidStart", "MotionLimits",
+    "NoPath", "NotReady", "OccupancyGrid", "OverlaySet", "Plan", "PlannerConfig", "Polygon", "Polyline", "Pose",
+    "Precedence", "Rectangle", "Robot", "Scenario", "Schedule", "SilentRobot", "SocialFleetError", "SocialGraph",
+    "SocialPlanner", "SolverFailed", "TimedOut", "coordinate", "load_map", "load_scenario", "read_schedule",
+    "save_map", "save_scenario", "verify", "write_schedule",
 ]
 
 

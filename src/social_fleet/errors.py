@@ -64,6 +64,10 @@ class InvalidSchedule(InvalidInput):
     """A schedule whose arrays do not fit together or whose times fall."""
 
 
+class InvalidMessage(InvalidInput):
+    """What came from another robot is cut short, of another version, or contradicts itself."""
+
+
 class NoPath(SocialFleetError):
     """Start and goal are fine, but no path joins them."""
 
@@ -90,6 +94,38 @@ class Infeasible(SocialFleetError):
 
 class TimedOut(SocialFleetError):
     """A time limit passed before there was any answer."""
+
+
+class SilentRobot(TimedOut):
+    """Robots that a coordination waited for said nothing within the limit.
+
+    Parameters
+    ----------
+    message
+        Who, and what was missing, as a sentence.
+    robots
+        Their names.
+    """
+
+    def __init__(self, message: str, *, robots: Sequence[str]) -> None:
+        self.robots = tuple(robots)
+        super().__init__(message)
+
+
+class Disagreement(SocialFleetError):
+    """Robots that were to find the same schedule did not: none of them may be driven.
+
+    Parameters
+    ----------
+    message
+        Who, and how they differ, as a sentence.
+    robots
+        Names of those that differ.
+    """
+
+    def __init__(self, message: str, *, robots: Sequence[str]) -> None:
+        self.robots = tuple(robots)
+        super().__init__(message)
 
 
 class SolverFailed(SocialFleetError):

@@ -14,7 +14,7 @@ from worlds import grid_from_text
 
 from social_fleet.cli.main import main
 from social_fleet.errors import InvalidInput, InvalidParameter
-from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, fig11, fig15, routes
+from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, fig11, fig12, fig15, routes, table3
 from social_fleet.experiments.fig7 import busiest_place, member_counts
 from social_fleet.experiments.frame import Result, World, csv_text, write_result
 from social_fleet.experiments.metrics import heading_change_per_metre, right_distance
@@ -41,6 +41,8 @@ def make_few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fig11, "SIZES", (2, 3))
     monkeypatch.setattr(fig11, "SHOWN", 3)
     monkeypatch.setattr(fig15, "DRAWS", 3)
+    monkeypatch.setattr(table3, "SIZES", (2, 3))
+    monkeypatch.setattr(fig12, "SIZES", (2, 4, 5))
     monkeypatch.setattr("social_fleet.planning.planner.RRT_SAMPLES", 300)
 
 

@@ -2,8 +2,9 @@
 
 table2: length, right distance and time of A*, RRT* and the social planner. fig6: their paths. fig7: the social graph as
 it grows, and round an obstacle. fig8: planning time on the graph. fig9: four robots of different speeds, coordinated.
-fig11: how much robots get into each other's way. fig14: head-on in a hallway. fig15: robots at an intersection.
-predictability: entropy of headings per place.
+fig11: how much robots get into each other's way. fig12, table3: encounter windows searched by one robot, and by the
+fleet in shares. fig14: head-on in a hallway. fig15: robots at an intersection. predictability: entropy of headings per
+place.
 
 What is finished is kept in DIR/NAME.cells: after an interruption the same command goes on where it was.
 """

@@ -18,6 +18,8 @@ EXPERIMENTS = {
     "fig11": ("fig11", "Figure11"),
     "fig14": ("fig14", "Figure14"),
     "fig15": ("fig15", "Figure15"),
+    "fig12": ("fig12", "Figure12"),
+    "table3": ("table3", "Table3"),
     "predictability": ("routes", "PredictabilityOfRoutes"),
 }
 
