@@ -15,6 +15,8 @@ import yaml
 from social_fleet.errors import InvalidInput
 
 PathLike = Union[str, "os.PathLike[str]"]
+# What parsers raise beside their own exceptions: numbers and dates that are none, brackets without end.
+_UNREADABLE = (ValueError, OverflowError, RecursionError)
 
 
 @contextmanager
@@ -95,13 +97,16 @@ def read_yaml(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
     InvalidInput
         As the subclass `refuse`, when there is no such file or it is not YAML; the message has the line.
     """
+    text = _read_text(path, refuse)
     try:
-        return yaml.load(_read_text(path, refuse), Loader=_StrictLoader)
+        return yaml.load(text, Loader=_StrictLoader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = getattr(error, "problem", None) or str(error).splitlines()[0]
         raise refuse(f"{place}not valid YAML: {problem}", source=os.fspath(path)) from error
+    except _UNREADABLE as error:
+        raise refuse(f"not valid YAML: {error}", source=os.fspath(path)) from error
 
 
 def read_json(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
@@ -117,9 +122,13 @@ def read_json(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
 
     try:
         return json.loads(_read_text(path, refuse), parse_constant=refuse_constant)
+    except InvalidInput:
+        raise
     except json.JSONDecodeError as error:
         raise refuse(f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}",
                      source=os.fspath(path)) from error
+    except _UNREADABLE as error:
+        raise refuse(f"not valid JSON: {error}", source=os.fspath(path)) from error
 
 
 class _StrictLoader(yaml.SafeLoader):

@@ -173,6 +173,7 @@ def test_plan_takes_many_pairs(capsys: pytest.CaptureFixture) -> None:
     ("[]", "error: pairs.json: must be a list of pairs"),
     ("[[[1, 1], [2]]]", "error: pairs.json: [0]: must be a pair [[x, y], [x, y]], not [[1, 1], [2]]"),
     ('[[[2, 2], [2, "a"]]]', "error: pairs.json: [0]: must be a pair"),
+    (f"[[[2, 2], [2, 1{'0' * 400}]]]", "error: pairs.json: [0]: must be a pair"),
     ("[[[2, 2], [3, 3]], [[2, 2], [0.5, 3]]]", "error: pairs.json: [1][1]: (0.50, 3.00) lies in a wall"),
     ("[[[NaN, 2], [3, 3]]]", "error: pairs.json: not valid JSON: NaN is not a number"),
 ])

@@ -100,7 +100,10 @@ def test_json_keeps_a_path_on_one_line() -> None:
     (read_yaml, b"\xff\xfe\x00", "is not a text file in UTF-8"),
     (read_yaml, b"a: !!python/name:os.system x\n", "not valid YAML: could not determine a constructor"),
     (read_json, b'{"a": 1,\n "b"}', "line 2, column 5: not valid JSON"),
-    (read_json, b"[NaN]", "NaN is not a number"),
+    (read_yaml, b"a: 2001-13-45\n", "not valid YAML: month must be"),
+    (read_yaml, b"[" * 10000, "not valid YAML"),
+    (read_json, b"[NaN]", "not valid JSON: NaN is not a number"),
+    (read_json, b"[" * 100000, "not valid JSON"),
 ])
 def test_a_broken_file_is_refused_by_line(tmp_path: Path, read: Any, content: Any, message: Any) -> None:
     path = tmp_path / "broken"

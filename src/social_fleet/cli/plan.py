@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+import sys
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.cli.arguments import add_pose, add_zones, check_outputs
@@ -119,7 +120,8 @@ def read_batch(path: str) -> List[Tuple[str, Tuple[float, ...], Tuple[float, ...
 
 def _is_pose(value: Any) -> bool:
     return (isinstance(value, list) and len(value) in (2, 3)
-            and all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value))
+            and all(isinstance(item, (int, float)) and not isinstance(item, bool)
+                    and abs(item) <= sys.float_info.max for item in value))
 
 
 def _overlays(args: argparse.Namespace, grid: Any) -> Mapping[str, Any]:
