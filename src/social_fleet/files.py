@@ -7,7 +7,7 @@ import secrets
 import stat
 import tempfile
 from contextlib import contextmanager
-from typing import IO, Any, Iterator, Type, Union
+from typing import IO, Any, Iterator, Set, Tuple, Type, Union
 
 import numpy as np
 import yaml
@@ -17,6 +17,7 @@ from social_fleet.errors import InvalidInput
 PathLike = Union[str, "os.PathLike[str]"]
 # What parsers raise beside their own exceptions: numbers and dates that are none, brackets without end.
 _UNREADABLE = (ValueError, OverflowError, RecursionError)
+_unfinished: Set[Tuple[str, int]] = set()  # files that are being written, and by which process
 
 
 @contextmanager
@@ -47,6 +48,8 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
             yield stream
         return
     temporary = os.path.join(os.path.dirname(target), f".{secrets.token_hex(8)}.part")
+    unfinished = temporary, os.getpid()
+    _unfinished.add(unfinished)
     try:
         with open(temporary, mode.replace("w", "x"), encoding=encoding) as stream:
             yield stream
@@ -59,6 +62,15 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
         if os.path.exists(temporary):
             os.unlink(temporary)
         raise
+    finally:
+        _unfinished.discard(unfinished)
+
+
+def discard_unfinished() -> None:
+    """Remove what `atomic_write` has not finished in this process, which is about to end."""
+    for temporary, process in list(_unfinished):
+        if process == os.getpid() and os.path.exists(temporary):
+            os.unlink(temporary)
 
 
 def check_writable(path: PathLike) -> None:
