@@ -161,8 +161,8 @@ def _is_pair(point: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return (isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-            and abs(value) <= FARTHEST)
+    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return number and bool(abs(value) <= FARTHEST)
 
 
 def _check_numbers(shape: Any, names: Sequence[str]) -> None:
