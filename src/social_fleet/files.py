@@ -15,6 +15,7 @@ import yaml
 from social_fleet.errors import InvalidInput
 
 PathLike = Union[str, "os.PathLike[str]"]
+PART = ".part"  # the end of the name of a file that is being written
 # What parsers raise beside their own exceptions: numbers and dates that are none, brackets without end.
 _UNREADABLE = (ValueError, OverflowError, RecursionError)
 _unfinished: Set[Tuple[str, int]] = set()  # files that are being written, and by which process
@@ -47,7 +48,7 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
         with open(os.fspath(path), mode, encoding=encoding) as stream:
             yield stream
         return
-    temporary = os.path.join(os.path.dirname(target), f".{secrets.token_hex(8)}.part")
+    temporary = os.path.join(os.path.dirname(target), f".{secrets.token_hex(8)}{PART}")
     unfinished = temporary, os.getpid()
     _unfinished.add(unfinished)
     try:

@@ -334,6 +334,16 @@ def test_zones_beside_the_map_count_unless_none_are_wanted(capsys: pytest.Captur
     assert run_json(capsys, *TRIP, *config, "--zones", "other.yaml")["social_cost"] == 0.0
 
 
+def test_what_plan_precomputes_is_there_for_the_next_one(capsys: pytest.CaptureFixture, tmp_path: Path,
+                                                         monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOCIAL_FLEET_CACHE", str(tmp_path / "cache"))
+    first = run_json(capsys, *TRIP)
+    (path,) = (tmp_path / "cache").glob("costs-*")
+    written = path.stat().st_ino
+    assert run_json(capsys, *TRIP)["points"] == first["points"]
+    assert [path.stat().st_ino for path in (tmp_path / "cache").iterdir()] == [written]
+
+
 def test_a_zone_or_norm_that_is_wrong_is_named_with_its_file(capsys: pytest.CaptureFixture) -> None:
     Path("hall.zones.yaml").write_text(ZONES.replace("[14, 10], [0, 10]", "[0, 10], [14, 10]"))
     assert refused(capsys, *TRIP).startswith("error: hall.zones.yaml: zones[0].polygon: ")

@@ -85,10 +85,10 @@ def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional
     grid = load_map(map_path)
     graph = SocialGraph.load(graph_path, grid=grid) if graph_path else None
     try:
-        norm = norm_of(config)
+        norm_of(config)  # a class that cannot be had is better named with its file
     except InvalidParameter as error:
         raise InvalidParameter(error.message, source=str(config_path), field=error.field) from error
-    return SocialPlanner(grid, config, graph=graph, norm=norm, zones=zones_of_map(map_path, zones))
+    return SocialPlanner(grid, config, graph=graph, zones=zones_of_map(map_path, zones))
 
 
 def _pairs(args: argparse.Namespace) -> List[Tuple[str, Tuple[float, ...], Tuple[float, ...]]]:
