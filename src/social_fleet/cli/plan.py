@@ -38,16 +38,11 @@ def run(args: argparse.Namespace) -> int:
     """Plan, write, draw and sum up; 1 when a path is missing."""
     pairs = _pairs(args)
     check_outputs(args.out, args.plot)
-    planner = make_planner(args.map, args.config, args.graph, zones=args.zones)
-    from social_fleet.planning.planner import PREPARED_FROM
-
-    overlays = _overlays(args, planner.grid)
-    if len(pairs) >= PREPARED_FROM:
-        planner.prepare()
-    for name, start, goal in pairs:
-        _check(planner, args, name, start, goal, overlays)
     records, plans = [], []
     with progress(len(pairs), "planning", "paths") as update:
+        planner = make_planner(args.map, args.config, args.graph, zones=args.zones)
+        overlays = _overlays(args, planner.grid)
+        _prepare(planner, args, pairs, overlays)
         for index, (name, start, goal) in enumerate(pairs):
             plan, record = _plan(planner, args, start, goal, overlays)
             plans.append(plan)
@@ -65,6 +60,16 @@ def run(args: argparse.Namespace) -> int:
                      robot_radius=planner.config.robot_radius)
     show(args, result, [*_summary(records, bool(args.batch)), *written(args.out, args.plot)])
     return 0 if all(plan is not None for plan in plans) else 1
+
+
+def _prepare(planner: Any, args: argparse.Namespace, pairs: Sequence[Tuple[str, Sequence[float], Sequence[float]]],
+             overlays: Mapping[str, Any]) -> None:
+    """Refuse poses before any path is planned, and make the planner fast where it pays."""
+    from social_fleet.planning.planner import PREPARED_FROM
+    for name, start, goal in pairs:
+        _check(planner, args, name, start, goal, overlays)
+    if len(pairs) >= PREPARED_FROM:
+        planner.prepare()
 
 
 def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional[str] = None, *,
