@@ -44,7 +44,7 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
     encoding = None if "b" in mode else "utf-8"
     check_writable(path)
     target = os.path.realpath(os.fspath(path))
-    if _is_special(target):
+    if is_special(target):
         with open(os.fspath(path), mode, encoding=encoding) as stream:
             yield stream
         return
@@ -87,13 +87,13 @@ def check_writable(path: PathLike) -> None:
     reason = ""
     if not os.fspath(path):
         reason = "the name is empty; name a file"
-    elif os.path.isdir(target):
+    elif os.path.isdir(target) or os.fspath(path).endswith(os.sep):
         reason = "is a folder; name a file in it"
     elif not os.path.isdir(folder):
         reason = f"the folder {folder} does not exist; create it first"
     elif os.path.exists(target) and not os.access(target, os.W_OK):
         reason = "cannot be written: permission denied"
-    elif not _is_special(target):
+    elif not is_special(target):
         try:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
@@ -217,7 +217,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _is_special(target: str) -> bool:
+def is_special(target: str) -> bool:
     """Whether something stands at `target` that is neither file nor folder."""
     try:
         kind = os.stat(target).st_mode

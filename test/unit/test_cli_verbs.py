@@ -334,6 +334,13 @@ def test_zones_beside_the_map_count_unless_none_are_wanted(capsys: pytest.Captur
     assert run_json(capsys, *TRIP, *config, "--zones", "other.yaml")["social_cost"] == 0.0
 
 
+def test_two_outputs_need_two_files(capsys: pytest.CaptureFixture) -> None:
+    for other in ("o.json", "./o.json"):
+        message = refused(capsys, *TRIP, "--out", "o.json", "--plot", other)
+        assert message.startswith("error: o.json: is named for two outputs")
+    assert not Path("o.json").exists()
+
+
 def test_what_plan_precomputes_is_there_for_the_next_one(capsys: pytest.CaptureFixture, tmp_path: Path,
                                                          monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOCIAL_FLEET_CACHE", str(tmp_path / "cache"))

@@ -61,6 +61,7 @@ def test_a_device_is_written_directly() -> None:
 @pytest.mark.parametrize("name, message", [
     ("missing/a.json", "does not exist; create it first"),
     ("", "is a folder; name a file in it"),
+    ("results/", "is a folder; name a file in it"),
 ])
 def test_an_impossible_place_is_refused_by_name(tmp_path: Path, name: Any, message: Any) -> None:
     path = os.path.join(str(tmp_path), name)
