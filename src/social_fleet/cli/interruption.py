@@ -27,7 +27,7 @@ def _end(number: int, _: Optional[FrameType]) -> None:
     files, workers = sys.modules.get("social_fleet.files"), sys.modules.get("multiprocessing.process")
     try:
         for worker in getattr(workers, "active_children", list)():
-            worker.terminate()
+            worker.kill()  # one that has just been forked would lose a signal that it has a handler for
         getattr(files, "discard_unfinished", list)()
         if os.isatty(2):
             os.write(2, b"\n")  # so that a prompt does not follow a progress bar
