@@ -69,7 +69,12 @@ use_compiled_code() {
   export SOCIAL_FLEET_CACHE=${SOCIAL_FLEET_CACHE-${cache%/numba}/arrays}  # what planners precompute for a map
   digest=$(cd "$ROOT/src" && grep -rl --include='*.py' numba . | sort | xargs -r cat | sha256sum)
   export NUMBA_CACHE_DIR=$cache/${digest:0:16}
-  mkdir -p "$NUMBA_CACHE_DIR" 2>/dev/null || unset NUMBA_CACHE_DIR
+  if mkdir -p "$NUMBA_CACHE_DIR" 2>/dev/null && touch "$NUMBA_CACHE_DIR" 2>/dev/null; then
+    # What was compiled of sources that nobody has run for long.
+    find "$cache" -mindepth 1 -maxdepth 1 -type d -mtime +30 -exec rm -rf {} + 2>/dev/null || true
+  else
+    unset NUMBA_CACHE_DIR
+  fi
 }
 
 # free_port: a TCP port that nothing listens on, below those that the kernel gives to outgoing connections.

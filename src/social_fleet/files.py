@@ -7,7 +7,7 @@ import secrets
 import stat
 import tempfile
 from contextlib import contextmanager
-from typing import IO, Any, Iterator, Type, Union
+from typing import IO, Any, Iterator, Set, Tuple, Type, Union
 
 import numpy as np
 import yaml
@@ -15,6 +15,10 @@ import yaml
 from social_fleet.errors import InvalidInput
 
 PathLike = Union[str, "os.PathLike[str]"]
+PART = ".part"  # the end of the name of a file that is being written
+# What parsers raise beside their own exceptions: numbers and dates that are none, brackets without end.
+_UNREADABLE = (ValueError, OverflowError, RecursionError)
+_unfinished: Set[Tuple[str, int]] = set()  # files that are being written, and by which process
 
 
 @contextmanager
@@ -40,11 +44,13 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
     encoding = None if "b" in mode else "utf-8"
     check_writable(path)
     target = os.path.realpath(os.fspath(path))
-    if _is_special(target):
+    if is_special(target):
         with open(os.fspath(path), mode, encoding=encoding) as stream:
             yield stream
         return
-    temporary = os.path.join(os.path.dirname(target), f".{secrets.token_hex(8)}.part")
+    temporary = os.path.join(os.path.dirname(target), f".{secrets.token_hex(8)}{PART}")
+    unfinished = temporary, os.getpid()
+    _unfinished.add(unfinished)
     try:
         with open(temporary, mode.replace("w", "x"), encoding=encoding) as stream:
             yield stream
@@ -57,6 +63,15 @@ def atomic_write(path: PathLike, mode: str = "w") -> Iterator[IO[Any]]:
         if os.path.exists(temporary):
             os.unlink(temporary)
         raise
+    finally:
+        _unfinished.discard(unfinished)
+
+
+def discard_unfinished() -> None:
+    """Remove what `atomic_write` has not finished in this process, which is about to end."""
+    for temporary, process in list(_unfinished):
+        if process == os.getpid() and os.path.exists(temporary):
+            os.unlink(temporary)
 
 
 def check_writable(path: PathLike) -> None:
@@ -72,13 +87,13 @@ def check_writable(path: PathLike) -> None:
     reason = ""
     if not os.fspath(path):
         reason = "the name is empty; name a file"
-    elif os.path.isdir(target):
+    elif os.path.isdir(target) or os.fspath(path).endswith(os.sep):
         reason = "is a folder; name a file in it"
     elif not os.path.isdir(folder):
         reason = f"the folder {folder} does not exist; create it first"
     elif os.path.exists(target) and not os.access(target, os.W_OK):
         reason = "cannot be written: permission denied"
-    elif not _is_special(target):
+    elif not is_special(target):
         try:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
@@ -95,13 +110,16 @@ def read_yaml(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
     InvalidInput
         As the subclass `refuse`, when there is no such file or it is not YAML; the message has the line.
     """
+    text = _read_text(path, refuse)
     try:
-        return yaml.load(_read_text(path, refuse), Loader=_StrictLoader)
+        return yaml.load(text, Loader=_StrictLoader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = getattr(error, "problem", None) or str(error).splitlines()[0]
         raise refuse(f"{place}not valid YAML: {problem}", source=os.fspath(path)) from error
+    except _UNREADABLE as error:
+        raise refuse(f"not valid YAML: {error}", source=os.fspath(path)) from error
 
 
 def read_json(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
@@ -117,9 +135,13 @@ def read_json(path: PathLike, refuse: Type[InvalidInput] = InvalidInput) -> Any:
 
     try:
         return json.loads(_read_text(path, refuse), parse_constant=refuse_constant)
+    except InvalidInput:
+        raise
     except json.JSONDecodeError as error:
         raise refuse(f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}",
                      source=os.fspath(path)) from error
+    except _UNREADABLE as error:
+        raise refuse(f"not valid JSON: {error}", source=os.fspath(path)) from error
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -195,7 +217,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _is_special(target: str) -> bool:
+def is_special(target: str) -> bool:
     """Whether something stands at `target` that is neither file nor folder."""
     try:
         kind = os.stat(target).st_mode

@@ -2,18 +2,37 @@
 
 import dataclasses
 import math
+from numbers import Integral, Real
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union, get_type_hints
+
+import numpy as np
+import yaml
 
 from social_fleet.errors import InvalidParameter
 
 _NONE = type(None)
-Parameters = TypeVar("Parameters")
-_SCALARS: Dict[Any, Tuple[Tuple[type, ...], str]] = {
-    float: ((float, int), "a number"),
-    int: ((int,), "a whole number"),
-    bool: ((bool,), "true or false"),
+Kind = TypeVar("Kind")
+_SCALARS: Dict[Any, Tuple[Tuple[type, ...], str]] = {  # NumPy's numbers are Real or Integral as Python's are
+    float: ((Real,), "a number"),
+    int: ((Integral,), "a whole number"),
+    bool: ((bool, np.bool_), "true or false"),
     str: ((str,), "a text"),
 }
+
+
+class Parameters:
+    """Base of the frozen dataclasses that hold parameters: checked whenever one is made, read from mappings.
+
+    One with conditions of its own checks them in `__post_init__` after this one's.
+    """
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+    @classmethod
+    def from_mapping(cls: Type[Kind], mapping: Mapping[str, Any], *, source: str = "", prefix: str = "") -> Kind:
+        """Read from a YAML file's or parameter server's mapping; see the function `from_mapping`."""
+        return from_mapping(cls, mapping, source=source, prefix=prefix)
 
 
 def parameter(default: Any, *, above: Optional[float] = None, minimum: Optional[float] = None,
@@ -34,6 +53,8 @@ def parameter(default: Any, *, above: Optional[float] = None, minimum: Optional[
 def check_parameters(values: Any, *, source: str = "", prefix: str = "") -> None:
     """Hold every field of a dataclass instance to its type and bounds; for `__post_init__`.
 
+    Values become plain ones of their field's type: 1 and NumPy's numbers a float where that is asked for.
+
     Raises
     ------
     InvalidParameter
@@ -41,13 +62,14 @@ def check_parameters(values: Any, *, source: str = "", prefix: str = "") -> None
     """
     kinds = get_type_hints(type(values))
     for field in dataclasses.fields(values):
-        problem = _problem(getattr(values, field.name), kinds[field.name], field.metadata)
+        value = getattr(values, field.name)
+        problem = _problem(value, kinds[field.name], field.metadata)
         if problem:
             raise InvalidParameter(problem, source=source, field=prefix + field.name)
+        object.__setattr__(values, field.name, _converted(value, kinds[field.name]))
 
 
-def from_mapping(kind: Type[Parameters], mapping: Mapping[str, Any], *, source: str = "",
-                 prefix: str = "") -> Parameters:
+def from_mapping(kind: Type[Kind], mapping: Mapping[str, Any], *, source: str = "", prefix: str = "") -> Kind:
     """Build a parameter dataclass from the values of a YAML file or of a parameter server.
 
     Parameters
@@ -97,10 +119,27 @@ def _problem(value: Any, kind: Any, bounds: Mapping[str, Any]) -> str:
         return "" if isinstance(value, (kind, Mapping)) else f"must be a mapping of parameters, not {value!r}"
     types, wanted = _SCALARS[kind]
     if not isinstance(value, types) or (isinstance(value, bool) and kind is not bool):
-        return f"must be {wanted}, not {value!r}"
-    if kind is float and not math.isfinite(value):
-        return f"must be finite, not {value!r}"
+        hint = exponent_hint(value) if kind is float else ""
+        return f"must be {wanted}, not {value!r}{hint}"
+    if kind is float and not _is_finite(value):
+        return f"must be finite, not {value!r:.40}"
     return _range_problem(value, bounds)
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond the largest float
+        return False
+
+
+def exponent_hint(value: Any) -> str:
+    """What to write instead of 1e3, which YAML reads as a text, as the end of a sentence; empty for other values."""
+    try:
+        number = float(value) if isinstance(value, str) else math.nan
+    except ValueError:
+        number = math.nan
+    return f"; write {yaml.safe_dump(number).split()[0]}" if math.isfinite(number) else ""
 
 
 def _sequence_problem(value: Any, kind: Any, bounds: Mapping[str, Any]) -> str:
@@ -129,8 +168,12 @@ def _range_problem(value: Any, bounds: Mapping[str, Any]) -> str:
 
 def _converted(value: Any, kind: Any) -> Any:
     """A value that was found right in the type of its field."""
-    if kind is float:
-        return float(value)
+    if getattr(kind, "__origin__", None) is Union:
+        if value is None:
+            return None
+        kind = next(option for option in kind.__args__ if option is not _NONE)
     if getattr(kind, "__origin__", None) is tuple:
-        return tuple(value)
-    return value
+        items = kind.__args__
+        kinds = (items[0],) * len(value) if items[-1] is Ellipsis else items
+        return tuple(_converted(item, item_kind) for item, item_kind in zip(value, kinds))
+    return kind(value) if kind in _SCALARS else value

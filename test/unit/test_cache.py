@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -108,10 +109,37 @@ def test_writers_at_once_do_no_harm(folder):
 def test_the_oldest_go_when_all_together_are_too_large(folder, monkeypatch):
     for number in range(3):
         cache.cached("costs", str(number), Counter())
-        os.utime(folder / f"costs-{number}.arrays", (number, number))
+        used = time.time() - 10.0 + number
+        os.utime(folder / f"costs-{number}.arrays", (used, used))
     monkeypatch.setattr(cache, "LARGEST", 2 * only_size(folder))
     cache.cached("costs", "3", Counter())
     assert sorted(path.name for path in folder.iterdir()) == ["costs-2.arrays", "costs-3.arrays"]
+
+
+def test_files_that_nobody_has_used_for_long_go(folder):
+    long_ago = time.time() - cache.UNUSED - 100.0
+    for name in ("stale", "used"):
+        cache.cached("costs", name, Counter())
+        os.utime(folder / f"costs-{name}.arrays", (long_ago, long_ago))
+    for name, age in ((".0.part", 0.0), (".1.part", long_ago)):  # one is being written, one was left by a crash
+        (folder / name).write_bytes(b"half")
+        if age:
+            os.utime(folder / name, (age, age))
+    compute = Counter()
+    cache.cached("costs", "used", compute)
+    cache.cached("costs", "new", Counter())
+    assert sorted(path.name for path in folder.iterdir()) == [".0.part", "costs-new.arrays", "costs-used.arrays"]
+    assert compute.calls == 0
+
+
+@pytest.mark.parametrize("old, new", [(b'"arrays"', b'"barrays'), (b'"<i4"', b'"<z4"'), (b'"offset"', b'"offsid"'),
+                                      (b'"size"', b'"seiz"'), (b'"shape": [7]', b'"shape": [x]')])
+def test_a_damaged_header_is_made_anew(folder, caplog, old, new):
+    cache.cached("costs", "0123", Counter())
+    path = only_file(folder)
+    path.write_bytes(path.read_bytes().replace(old, new, 1))
+    check(cache.cached("costs", "0123", Counter()))
+    assert "is made anew" in caplog.text
 
 
 def only_size(folder):

@@ -173,6 +173,7 @@ def test_plan_takes_many_pairs(capsys: pytest.CaptureFixture) -> None:
     ("[]", "error: pairs.json: must be a list of pairs"),
     ("[[[1, 1], [2]]]", "error: pairs.json: [0]: must be a pair [[x, y], [x, y]], not [[1, 1], [2]]"),
     ('[[[2, 2], [2, "a"]]]', "error: pairs.json: [0]: must be a pair"),
+    (f"[[[2, 2], [2, 1{'0' * 400}]]]", "error: pairs.json: [0]: must be a pair"),
     ("[[[2, 2], [3, 3]], [[2, 2], [0.5, 3]]]", "error: pairs.json: [1][1]: (0.50, 3.00) lies in a wall"),
     ("[[[NaN, 2], [3, 3]]]", "error: pairs.json: not valid JSON: NaN is not a number"),
 ])
@@ -331,6 +332,23 @@ def test_zones_beside_the_map_count_unless_none_are_wanted(capsys: pytest.Captur
     assert run_json(capsys, *TRIP, *config, "--zones", "none")["social_cost"] > 0.0
     os.rename("hall.zones.yaml", "other.yaml")
     assert run_json(capsys, *TRIP, *config, "--zones", "other.yaml")["social_cost"] == 0.0
+
+
+def test_two_outputs_need_two_files(capsys: pytest.CaptureFixture) -> None:
+    for other in ("o.json", "./o.json"):
+        message = refused(capsys, *TRIP, "--out", "o.json", "--plot", other)
+        assert message.startswith("error: o.json: is named for two outputs")
+    assert not Path("o.json").exists()
+
+
+def test_what_plan_precomputes_is_there_for_the_next_one(capsys: pytest.CaptureFixture, tmp_path: Path,
+                                                         monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOCIAL_FLEET_CACHE", str(tmp_path / "cache"))
+    first = run_json(capsys, *TRIP)
+    (path,) = (tmp_path / "cache").glob("costs-*")
+    written = path.stat().st_ino
+    assert run_json(capsys, *TRIP)["points"] == first["points"]
+    assert [path.stat().st_ino for path in (tmp_path / "cache").iterdir()] == [written]
 
 
 def test_a_zone_or_norm_that_is_wrong_is_named_with_its_file(capsys: pytest.CaptureFixture) -> None:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from worlds import grid_from_text
 
-from social_fleet.errors import InvalidGoal, InvalidStart
+from social_fleet.errors import InvalidGoal, InvalidStart, NoPath
 from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.driven_path.chords import Ground
 from social_fleet.planning.ends import checked_position, joined, reachable
 from social_fleet.planning.lattice import Lattice, fitting_radius
 from social_fleet.planning.overlays.discs import Disc
+from social_fleet.planning.planner import SocialPlanner
 
 SPACE = ConfigurationSpace(grid_from_text("""
     ............
@@ -76,3 +78,30 @@ def test_ends_in_separate_rooms_do_not_join():
     ends = np.array([1.5, 1.5]), np.array([5.5, 1.5])
     assert joined(lattice, ground_of(space), ends, NOBODY) == []
     assert joined(lattice, ground_of(space), (ends[0], ends[0]), NOBODY) == [(lattice.node[1, 1],) * 2]
+
+
+def test_a_pose_in_a_pocket_joins_what_its_radius_lets_it_reach():
+    # A gap of 0.6 m: a disc of 0.25 m fits through, with a margin of 0.06 m it does not.
+    planner = SocialPlanner(grid_from_text("""
+        ##############
+        #............#
+        #............#
+        #............#
+        #............#
+        #............#
+        #######...####
+        #............#
+        #............#
+        #............#
+        #............#
+        #............#
+        ##############
+    """, 0.2), PlannerConfig(robot_radius=0.25, wall_margin=0.06))
+    lattice = planner.lattice
+    in_pocket, beyond, far_off = (1.7, 1.1), (0.9, 1.9), (0.5, 0.5)
+    pocket, outside = (lattice.node[planner.grid.cell(*place)] for place in (in_pocket, beyond))
+    assert min(pocket, outside) >= 0 and lattice.component[pocket] != lattice.component[outside]
+    for start, goal in ((in_pocket, beyond), (beyond, in_pocket)):
+        assert planner.space.is_free_path(planner.plan(start, goal).points)
+    with pytest.raises(NoPath):  # through the gap there is no way but for those who stand at it
+        planner.plan(far_off, beyond)

@@ -61,6 +61,7 @@ def test_a_device_is_written_directly() -> None:
 @pytest.mark.parametrize("name, message", [
     ("missing/a.json", "does not exist; create it first"),
     ("", "is a folder; name a file in it"),
+    ("results/", "is a folder; name a file in it"),
 ])
 def test_an_impossible_place_is_refused_by_name(tmp_path: Path, name: Any, message: Any) -> None:
     path = os.path.join(str(tmp_path), name)
@@ -100,7 +101,10 @@ def test_json_keeps_a_path_on_one_line() -> None:
     (read_yaml, b"\xff\xfe\x00", "is not a text file in UTF-8"),
     (read_yaml, b"a: !!python/name:os.system x\n", "not valid YAML: could not determine a constructor"),
     (read_json, b'{"a": 1,\n "b"}', "line 2, column 5: not valid JSON"),
-    (read_json, b"[NaN]", "NaN is not a number"),
+    (read_yaml, b"a: 2001-13-45\n", "not valid YAML: month must be"),
+    (read_yaml, b"[" * 10000, "not valid YAML"),
+    (read_json, b"[NaN]", "not valid JSON: NaN is not a number"),
+    (read_json, b"[" * 100000, "not valid JSON"),
 ])
 def test_a_broken_file_is_refused_by_line(tmp_path: Path, read: Any, content: Any, message: Any) -> None:
     path = tmp_path / "broken"

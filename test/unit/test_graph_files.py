@@ -98,7 +98,7 @@ def test_another_version_is_refused(tmp_path):
     {"steps": np.array([0], dtype=np.uint32)},
     {"steps": np.array([4, 0], dtype=np.uint32)}, {"steps": np.array([1, 4], dtype=np.uint32)},
     {"counts": np.array([3.0, 2.0])}, {"member": np.array([True])}, {"origin": [1.0, 2.0]}, {"origin": ["a", 1, 2]},
-    {"resolution": None}, {"format": "else"},
+    {"resolution": None}, {"resolution": 10 ** 400}, {"format": "else"},
 ])
 def test_a_file_that_contradicts_itself_is_refused(tmp_path, changes):
     with pytest.raises(InvalidGraph):

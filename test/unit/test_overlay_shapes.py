@@ -78,6 +78,8 @@ def test_what_is_wholly_off_the_map_is_refused(shape):
     (lambda: DiscObstacle("1", 0.0, 1.0), "x"), (lambda: DiscObstacle(0.0, True, 1.0), "y"),
     (lambda: Rectangle(0.0, 0.0, 0.0, 1.0), "width"), (lambda: Rectangle(0.0, 0.0, 1.0, math.nan), "height"),
     (lambda: Rectangle(0.0, 0.0, 1.0, 1.0, math.inf), "yaw"),
+    (lambda: DiscObstacle(0.0, 0.0, 1e300), "radius"), (lambda: Rectangle(-1e300, 0.0, 1.0, 1.0), "x"),
+    (lambda: Polygon(((0.0, 0.0), (1e300, 0.0), (0.0, 1.0))), "vertices[1]"),
     (lambda: Polygon(((0.0, 0.0), (1.0, 0.0))), "vertices"), (lambda: Polygon(()), "vertices"),
     (lambda: Polygon(((0.0, 0.0), (1.0, 0.0), (2.0, 0.0))), "vertices"),
     (lambda: Polygon(((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0))), "vertices"),

@@ -30,6 +30,7 @@ def test_derived_defaults_follow_the_radius():
     ("robot_radius", 0.0), ("robot_radius", "wide"), ("robot_radius", math.nan), ("robot_radius", None),
     ("side", "middle"), ("side", 3), ("w_right", -1.0), ("w_const", math.inf), ("epsilon", -0.1), ("open_area", 0),
     ("standoff", -0.1), ("two_lane_width", 0.5), ("min_component", 2.5), ("min_component", True),
+    ("w_right", 1e37), ("w_buf", 1e9), ("wall_stretch", 1e300), ("corner_radius", 1e300), ("epsilon", 1e6),
 ])
 def test_wrong_values_are_refused_by_name(name, value):
     for build in (lambda: PlannerConfig(**{name: value}), lambda: PlannerConfig.from_mapping({name: value})):

@@ -104,8 +104,9 @@ def test_paths_of_others_count() -> None:
     fleet = learning_fleet()
     for _ in range(2):
         fleet.count_path(np.array([(2.5, 1.5), (2.5, 3.5)]), temporary=False)
-    with pytest.raises(InvalidPose):
-        fleet.count_path(np.array([(2.5, 1.5), (2.5, 33.5)]), temporary=False)
+    for beyond in (33.5, 1e12):  # of which the second would be too long to be gone along
+        with pytest.raises(InvalidPose):
+            fleet.count_path(np.array([(2.5, 1.5), (2.5, beyond)]), temporary=False)
     fleet.learn()
     assert fleet.graph is not None and fleet.graph.edge_count == 2
 

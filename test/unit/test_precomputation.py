@@ -1,6 +1,8 @@
 """Social costs from the cache: the same as worked out, and never those of something else."""
 
+import ast
 import dataclasses
+import inspect
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.lattice import Lattice
 from social_fleet.planning.social_cost import precomputation
 from social_fleet.planning.social_cost.norms import NoNorm
+from social_fleet.planning.social_cost.zones import Zone
 
 GRID = grid_from_text("\n".join(["#" * 40, *["#" + "." * 38 + "#"] * 18, "#" * 40]), 0.2)
 LATTICE = Lattice(ConfigurationSpace(GRID, 0.28))
@@ -54,3 +57,29 @@ def test_a_norm_that_was_made_elsewhere_is_asked_every_time(computed):
         assert not precomputation.social_costs(LATTICE, GRID, CONFIG, NoNorm())[np.isfinite(
             precomputation.social_costs(LATTICE, GRID, CONFIG, NoNorm()))].any()
     assert len(computed) == 4
+
+
+@pytest.mark.parametrize("config, zones", [
+    (dataclasses.replace(CONFIG, norm="own_norms.KeepOff"), ()),
+    (CONFIG, [Zone("east", [(4.0, 0.0), (8.0, 0.0), (8.0, 4.0)], {"norm": "own_norms.KeepOff"})])])
+def test_a_norm_of_ones_own_is_asked_every_time_for_what_it_may_read(computed, config, zones):
+    for _ in range(2):
+        precomputation.social_costs(LATTICE, GRID, config, None, zones)
+    assert len(computed) == 2
+
+
+def test_zones_with_numbers_of_numpy_are_cached(computed):
+    zones = [Zone("east", [(4.0, 0.0), (8.0, 0.0), (8.0, 4.0)], {"w_right": np.float32(2.0)})]
+    for _ in range(2):
+        precomputation.social_costs(LATTICE, GRID, CONFIG, None, zones)
+    assert len(computed) == 1
+
+
+def test_costs_are_keyed_by_all_the_code_that_makes_them():
+    """Whatever they import, too; but for modules that hold no arithmetic of theirs."""
+    known = {module.__name__ for module in precomputation._SOURCES}
+    harmless = {f"social_fleet.{name}" for name in ("errors", "files", "geometry", "parameters")}
+    for module in precomputation._SOURCES:
+        imported = [node for node in ast.walk(ast.parse(inspect.getsource(module)))
+                    if isinstance(node, ast.ImportFrom) and str(node.module).startswith("social_fleet")]
+        assert {node.module for node in imported} <= known | harmless, module.__name__

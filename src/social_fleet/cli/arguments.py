@@ -2,9 +2,11 @@
 
 import argparse
 import math
+import os
 from typing import Any, List, Optional, Sequence, Union
 
-from social_fleet.files import check_writable
+from social_fleet.errors import InvalidInput
+from social_fleet.files import check_writable, is_special
 
 
 class PoseAction(argparse.Action):
@@ -76,6 +78,8 @@ def check_outputs(*paths: Optional[str]) -> None:
     InvalidInput
         With the path as its source.
     """
-    for path in paths:
-        if path is not None:
-            check_writable(path)
+    wanted = [path for path in paths if path is not None]
+    for path in wanted:
+        check_writable(path)
+        if [os.path.realpath(other) for other in wanted].count(os.path.realpath(path)) > 1 and not is_special(path):
+            raise InvalidInput("is named for two outputs; give each a file of its own", source=path)

@@ -6,7 +6,7 @@ still holds.
 
 import argparse
 import logging
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 
 from social_fleet.cli.arguments import add_zones, check_outputs, count, seed
 from social_fleet.cli.output import show, written
@@ -41,9 +41,10 @@ def run(args: argparse.Namespace) -> int:
     from social_fleet.cli.plan import make_planner
     from social_fleet.planning.routes.graph_changes import merged
 
-    planner = make_planner(args.map, args.config, zones=args.zones)
-    graphs = [_load(path, planner) for path in args.merge]
-    own = _learnt(args, planner)
+    with progress(args.paths or 1, "learning", "paths") as update:
+        planner = make_planner(args.map, args.config, zones=args.zones)
+        graphs = [_load(path, planner) for path in args.merge]
+        own = _learnt(args, planner, update)
     graph = merged(graphs + ([own] if own else []), planner.config.heatmap_threshold, planner.config.min_component)
     graph.save(args.out)
     if args.graphml:
@@ -60,13 +61,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _learnt(args: argparse.Namespace, planner: Any) -> Optional[Any]:
+def _learnt(args: argparse.Namespace, planner: Any, update: Callable[[float], None]) -> Optional[Any]:
     """The graph of the paths that are asked for, None without."""
     from social_fleet.planning.routes.social_graph import learn
     if args.paths is None:
         return None
-    with progress(args.paths, "learning", "paths") as update:
-        return learn(planner, paths=args.paths, seed=args.seed, progress=lambda done, _: update(done))
+    return learn(planner, paths=args.paths, seed=args.seed, progress=lambda done, _: update(done))
 
 
 def _load(path: str, planner: Any) -> Any:

@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+import sys
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.cli.arguments import add_pose, add_zones, check_outputs
@@ -37,16 +38,11 @@ def run(args: argparse.Namespace) -> int:
     """Plan, write, draw and sum up; 1 when a path is missing."""
     pairs = _pairs(args)
     check_outputs(args.out, args.plot)
-    planner = make_planner(args.map, args.config, args.graph, zones=args.zones)
-    from social_fleet.planning.planner import PREPARED_FROM
-
-    overlays = _overlays(args, planner.grid)
-    if len(pairs) >= PREPARED_FROM:
-        planner.prepare()
-    for name, start, goal in pairs:
-        _check(planner, args, name, start, goal, overlays)
     records, plans = [], []
     with progress(len(pairs), "planning", "paths") as update:
+        planner = make_planner(args.map, args.config, args.graph, zones=args.zones)
+        overlays = _overlays(args, planner.grid)
+        _prepare(planner, args, pairs, overlays)
         for index, (name, start, goal) in enumerate(pairs):
             plan, record = _plan(planner, args, start, goal, overlays)
             plans.append(plan)
@@ -64,6 +60,16 @@ def run(args: argparse.Namespace) -> int:
                      robot_radius=planner.config.robot_radius)
     show(args, result, [*_summary(records, bool(args.batch)), *written(args.out, args.plot)])
     return 0 if all(plan is not None for plan in plans) else 1
+
+
+def _prepare(planner: Any, args: argparse.Namespace, pairs: Sequence[Tuple[str, Sequence[float], Sequence[float]]],
+             overlays: Mapping[str, Any]) -> None:
+    """Refuse poses before any path is planned, and make the planner fast where it pays."""
+    from social_fleet.planning.planner import PREPARED_FROM
+    for name, start, goal in pairs:
+        _check(planner, args, name, start, goal, overlays)
+    if len(pairs) >= PREPARED_FROM:
+        planner.prepare()
 
 
 def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional[str] = None, *,
@@ -84,10 +90,10 @@ def make_planner(map_path: str, config_path: Optional[str], graph_path: Optional
     grid = load_map(map_path)
     graph = SocialGraph.load(graph_path, grid=grid) if graph_path else None
     try:
-        norm = norm_of(config)
+        norm_of(config)  # a class that cannot be had is better named with its file
     except InvalidParameter as error:
         raise InvalidParameter(error.message, source=str(config_path), field=error.field) from error
-    return SocialPlanner(grid, config, graph=graph, norm=norm, zones=zones_of_map(map_path, zones))
+    return SocialPlanner(grid, config, graph=graph, zones=zones_of_map(map_path, zones))
 
 
 def _pairs(args: argparse.Namespace) -> List[Tuple[str, Tuple[float, ...], Tuple[float, ...]]]:
@@ -119,7 +125,8 @@ def read_batch(path: str) -> List[Tuple[str, Tuple[float, ...], Tuple[float, ...
 
 def _is_pose(value: Any) -> bool:
     return (isinstance(value, list) and len(value) in (2, 3)
-            and all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value))
+            and all(isinstance(item, (int, float)) and not isinstance(item, bool)
+                    and abs(item) <= sys.float_info.max for item in value))
 
 
 def _overlays(args: argparse.Namespace, grid: Any) -> Mapping[str, Any]:

@@ -1,14 +1,13 @@
 """The tracker's parameters."""
 
 from dataclasses import dataclass
-from typing import Any, Mapping
 
 from social_fleet.errors import InvalidParameter
-from social_fleet.parameters import check_parameters, from_mapping, parameter
+from social_fleet.parameters import Parameters, parameter
 
 
 @dataclass(frozen=True)
-class TrackerConfig:
+class TrackerConfig(Parameters):
     """Gains, tolerances and limits of a `Tracker`; config/tracker.yaml says when to change them.
 
     Raises
@@ -35,7 +34,7 @@ class TrackerConfig:
     release_tolerance: float = parameter(0.03, minimum=0.0)  # how far short of a gate's release counts as passed [m]
 
     def __post_init__(self) -> None:
-        check_parameters(self)
+        super().__post_init__()
         if self.lag_end <= self.lag_begin:
             raise InvalidParameter(f"must be greater than lag_begin ({self.lag_begin:g}), not {self.lag_end:g}",
                                    field="lag_end")
@@ -45,8 +44,3 @@ class TrackerConfig:
         if self.release_tolerance < self.standoff:
             raise InvalidParameter(f"must be at least standoff ({self.standoff:g}), or two robots may wait for each "
                                    f"other for ever, not {self.release_tolerance:g}", field="release_tolerance")
-
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any], *, source: str = "", prefix: str = "") -> "TrackerConfig":
-        """Read from a YAML file's or parameter server's mapping; refuses unknown keys and wrong types."""
-        return from_mapping(cls, mapping, source=source, prefix=prefix)

@@ -23,6 +23,9 @@ BLOCKED_FROM = 50  # a cell that is as likely a wall as not is no place for a ro
 # A coordinate this close to a cell's edge [cells] lies on it: 0.6 m is three cells of 0.2 m, though 0.6 / 0.2 < 3.
 _ON_THE_EDGE = 1e-9
 
+FINEST, COARSEST = 1e-3, 1e3  # [m] of a cell's edge
+FARTHEST = 1e8  # [m] of a map's origin from the frame's; beyond it a float tells no micrometres apart
+
 Points = Union[np.ndarray, Sequence[Sequence[float]]]
 
 
@@ -174,18 +177,22 @@ def _checked_values(values: Any) -> np.ndarray:
 def _checked_resolution(resolution: Any) -> float:
     try:
         value = float(resolution)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidMap(f"must be a number of metres per cell, not {resolution!r}", field="resolution") from None
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidMap(f"must be a positive number of metres per cell, not {resolution}", field="resolution")
+    if not FINEST <= value <= COARSEST:
+        raise InvalidMap(f"must be a number of metres per cell from {FINEST:g} to {COARSEST:g}, not {resolution}",
+                         field="resolution")
     return value
 
 
 def _checked_origin(origin: Any) -> Pose:
     try:
         pose = Pose(*(float(part) for part in origin))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidMap(f"must be x, y and yaw, not {origin!r}", field="origin") from None
     if not all(map(math.isfinite, pose)):
         raise InvalidMap(f"must be finite, not {tuple(pose)}", field="origin")
+    if max(abs(pose.x), abs(pose.y)) > FARTHEST:
+        raise InvalidMap(f"must lie within {FARTHEST:g} m of the frame's, not at ({pose.x:g}, {pose.y:g})",
+                         field="origin")
     return pose

@@ -12,19 +12,22 @@ import logging
 import math
 import mmap
 import os
+import time
+from contextlib import suppress
 from types import ModuleType
 from typing import IO, Any, Callable, Dict, Mapping, Tuple
 
 import numpy as np
 
 from social_fleet.errors import InvalidInput
-from social_fleet.files import atomic_write
+from social_fleet.files import PART, atomic_write
 
 log = logging.getLogger(__name__)
 
 FOLDER = "SOCIAL_FLEET_CACHE"  # the environment variable that names the folder; empty: no cache
 FORMAT, VERSION = "social_fleet arrays", 1
-LARGEST = 1 << 30  # [bytes] of all files together; the oldest go first
+LARGEST = 1 << 30  # [bytes] of all files together; those that were used longest ago go first
+UNUSED = 30.0 * 86400.0  # [s] without use after which a file goes: those of maps and code that are no more
 ALIGNMENT = 64  # [bytes]
 SUFFIX = ".arrays"
 
@@ -74,7 +77,10 @@ def cached(kind: str, digest: str, compute: Callable[[], Mapping[str, np.ndarray
         return dict(compute())
     path = os.path.join(folder, f"{kind}-{digest}{SUFFIX}")
     try:
-        return _read(path)
+        arrays = _read(path)
+        with suppress(OSError):  # a folder that others keep may be closed
+            os.utime(path)  # when it was used
+        return arrays
     except FileNotFoundError:
         pass
     except (OSError, ValueError) as error:
@@ -84,7 +90,7 @@ def cached(kind: str, digest: str, compute: Callable[[], Mapping[str, np.ndarray
         os.makedirs(folder, exist_ok=True)
         with atomic_write(path, "wb") as stream:
             _write(stream, arrays)
-        _drop_oldest(folder, path)
+        _tidy(folder, path)
         return _read(path)  # whose memory the system may take back, unlike that of `arrays`
     except (OSError, ValueError, InvalidInput) as error:
         log.warning("nothing is cached on disk: %s", error)
@@ -112,16 +118,20 @@ def _read(path: str) -> Dict[str, np.ndarray]:
     """The arrays of a file, mapped into memory; ValueError says what is wrong with it."""
     with open(path, "rb") as stream:
         header, start = _read_header(stream)
-        if os.fstat(stream.fileno()).st_size != start + header["size"]:
+        if os.fstat(stream.fileno()).st_size != start + header.get("size", 0):
             raise ValueError("it was cut short")
         # Private, so that the arrays may be written to like any other; kernels are compiled for such ones.
         content = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_COPY)
-    arrays = {}
-    for entry in header["arrays"]:
-        dtype, count = np.dtype(entry["dtype"]), math.prod(entry["shape"])
-        place = start + entry["offset"] if count else 0  # an empty array may lie behind the end
-        arrays[entry["name"]] = np.frombuffer(content, dtype, count, place).reshape(entry["shape"])
-    return arrays
+    try:
+        return {entry["name"]: _array(content, entry, start) for entry in header["arrays"]}
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"its header is damaged: {error}") from error
+
+
+def _array(content: mmap.mmap, entry: Mapping[str, Any], start: int) -> np.ndarray:
+    dtype, count = np.dtype(entry["dtype"]), math.prod(entry["shape"])
+    place = start + entry["offset"] if count else 0  # an empty array may lie behind the end
+    return np.frombuffer(content, dtype, count, place).reshape(entry["shape"])
 
 
 def _read_header(stream: IO[bytes]) -> Tuple[Dict[str, Any], int]:
@@ -137,14 +147,17 @@ def _read_header(stream: IO[bytes]) -> Tuple[Dict[str, Any], int]:
     return header, len(line)
 
 
-def _drop_oldest(folder: str, newest: str) -> None:
-    """Delete the files that were written first until those left are not too large together."""
-    paths = [entry.path for entry in os.scandir(folder) if entry.name.endswith(SUFFIX) and entry.path != newest]
-    paths.sort(key=os.path.getmtime)
-    sizes = {path: os.path.getsize(path) for path in paths}
-    total = sum(sizes.values()) + os.path.getsize(newest)
-    for path in paths:
-        if total <= LARGEST:
-            break
-        os.unlink(path)
-        total -= sizes[path]
+def _tidy(folder: str, newest: str) -> None:
+    """Delete the files that nobody has used for long, and of the others the oldest until they are not too large."""
+    files = []
+    for entry in os.scandir(folder):
+        if entry.name.endswith((SUFFIX, PART)) and entry.path != newest:
+            with suppress(FileNotFoundError):  # other processes tidy up, too
+                files.append((entry.stat().st_mtime, entry.stat().st_size, entry.path))
+    total = sum(size for _, size, _ in files) + os.path.getsize(newest)
+    for used, size, path in sorted(files):
+        if used > time.time() - UNUSED and (total <= LARGEST or path.endswith(PART)):
+            continue
+        with suppress(FileNotFoundError):
+            os.unlink(path)
+        total -= size

@@ -72,6 +72,9 @@ def checked_position(space: ConfigurationSpace, pose: Sequence[float], what: str
 def joined(lattice: Lattice, ground: Ground, ends: Sequence[np.ndarray], closed: np.ndarray) -> List[Tuple[int, int]]:
     """Nodes where a path may leave the start and reach the goal: pairs that reach each other, the nearest first.
 
+    A pose joins its own cell's node. Where that lies in a pocket too tight for the margin, from which the robot gets
+    out as an end of a path needs its radius alone, it joins others.
+
     Parameters
     ----------
     ends : (start, goal)
@@ -79,17 +82,25 @@ def joined(lattice: Lattice, ground: Ground, ends: Sequence[np.ndarray], closed:
     closed : (M,) int array
         Nodes that the path must not enter.
     """
-    starts, goals = (reachable(lattice, ground, end, closed) for end in ends)
     component = lattice.component
-    return [(start, goal) for start in starts for goal in goals if component[start] == component[goal]]
+    for all_near in (False, True):
+        starts, goals = (reachable(lattice, ground, end, closed, all_near=all_near) for end in ends)
+        pairs = [(start, goal) for start in starts for goal in goals if component[start] == component[goal]]
+        if pairs:
+            return pairs
+    return []
 
 
-def reachable(lattice: Lattice, ground: Ground, point: np.ndarray, closed: np.ndarray) -> List[int]:
-    """Nodes that the robot reaches from `point` in a straight line, nearest first; its own cell's alone if possible."""
+def reachable(lattice: Lattice, ground: Ground, point: np.ndarray, closed: np.ndarray, *,
+              all_near: bool = False) -> List[int]:
+    """Nodes that the robot reaches from `point` in a straight line, nearest first.
+
+    Its own cell's alone if possible, unless `all_near` are wanted.
+    """
     node = lattice.node
     row, col = int(math.floor(point[1] + 1e-9)), int(math.floor(point[0] + 1e-9))
     own = int(node[row, col])
-    if own >= 0 and own not in closed and fits_along(ground, point[0], point[1], col + 0.5, row + 0.5):
+    if not all_near and own >= 0 and own not in closed and fits_along(ground, point[0], point[1], col + 0.5, row + 0.5):
         return [own]
     window = node[max(row - REACH, 0):row + REACH + 1, max(col - REACH, 0):col + REACH + 1]
     near = window[(window >= 0) & ~np.isin(window, closed)]

@@ -27,7 +27,7 @@ def joined_clear(lattice: Lattice, ground: Ground, ends: Sequence[np.ndarray],
 
     As `joined`, which is quicker and does not know what `closed` cuts off.
     """
-    starts, goals = (reachable(lattice, ground, end, closed) for end in ends)
+    starts, goals = (reachable(lattice, ground, end, closed, all_near=True) for end in ends)
     known = np.zeros(len(lattice), dtype=bool)
     for start in starts:
         if known[start]:
@@ -58,7 +58,7 @@ def nearest_reachable(lattice: Lattice, ground: Ground, start: np.ndarray, goal:
         [cells]
     """
     nodes = _nodes_about(lattice, goal, tolerance + _STEP_ASIDE)
-    seeds = np.array(reachable(lattice, ground, start, closed), dtype=np.int64)
+    seeds = np.array(reachable(lattice, ground, start, closed, all_near=True), dtype=np.int64)
     if not len(nodes) or not len(seeds):
         return None
     nodes = nodes[reached_from(lattice.links, seeds, closed)[nodes]]

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import numpy as np
 from numba import njit
 
+from social_fleet.planning import lattice as lattices
 from social_fleet.planning.cache import cached, digest_of, source_of
 from social_fleet.planning.grid_search import dissection, hierarchy
 from social_fleet.planning.grid_search.buckets import FULL, new_queue
@@ -21,6 +22,9 @@ from social_fleet.planning.lattice import Lattice
 
 BUCKETS_PER_CELL = 16  # so that a bucket holds nearly equal costs
 MAX_BUCKETS = 1 << 16
+# What is cached is computed with these; when one of them changes, it does not hold any more.
+_SKELETON_SOURCES = (lattices, dissection)
+_HIERARCHY_SOURCES = (*_SKELETON_SOURCES, hierarchy)
 
 
 def _no_nodes() -> np.ndarray:
@@ -135,13 +139,13 @@ class Search:
         """For any costs; that for Eq. 2 is kept on disk."""
         links = self._links
         if self._skeleton is None:
-            digest = digest_of(links.row, links.col, links.edges, source_of(dissection))
+            digest = digest_of(links.row, links.col, links.edges, source_of(*_SKELETON_SOURCES))
             arrays = cached("skeleton", digest, lambda: dissect(links)._asdict())
             self._skeleton = Skeleton(**arrays)
         skeleton = self._skeleton
         if social is not self.social:
             return customised(links, skeleton, social)
-        digest = digest_of(links.row, links.col, links.edges, links.lengths, social, source_of(dissection, hierarchy))
+        digest = digest_of(links.row, links.col, links.edges, links.lengths, social, source_of(*_HIERARCHY_SOURCES))
         arrays = cached("hierarchy", digest, lambda: _costs_of(customised(links, skeleton, social)))
         return Hierarchy(skeleton, **arrays)
 

@@ -157,6 +157,7 @@ class PlanningFleet:
 
     def cells_of(self, points: np.ndarray) -> np.ndarray:
         """The chain of neighbouring cells (M, 2) under a path (N, 2) [m]; raises InvalidPose off the map."""
+        self.grid.cells(points)  # a path that leaves the map may be too long to be gone along
         path = Polyline(points)
         steps = max(1, int(np.ceil(2.0 * path.length / self.grid.resolution)))
         cells = self.grid.cells(path.position(np.linspace(0.0, path.length, steps + 1)))

@@ -5,6 +5,7 @@ import math
 from typing import Any, List, Optional, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
+from social_fleet.parameters import exponent_hint
 
 _TYPE_NAMES = {dict: "a mapping", list: "a list", str: "a text", bool: "true or false", int: "a whole number",
                float: "a number", type(None): "empty"}
@@ -115,7 +116,7 @@ class Fields:
 
     def _number(self, key: str, value: Any, above: Optional[float] = None, least: Optional[float] = None) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self.wrong(key, f"must be a number, not {describe(value)}" + _exponent_hint(value))
+            raise self.wrong(key, f"must be a number, not {describe(value)}" + exponent_hint(value))
         number = float(value)
         if not math.isfinite(number):
             raise self.wrong(key, f"must be a finite number, not {value!r}")
@@ -136,13 +137,3 @@ def describe(value: Any) -> str:
     if isinstance(value, str):
         return f"the text {value[:60]!r}"
     return f"{value!r}"
-
-
-def _exponent_hint(value: Any) -> str:
-    """YAML reads 1e3 as a text; a reader of the message should learn how to write it."""
-    if isinstance(value, str):
-        try:
-            return f"; write {float(value)!r}"
-        except ValueError:
-            pass
-    return ""

@@ -2,14 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Mapping
 
 from social_fleet.errors import InvalidParameter
-from social_fleet.parameters import check_parameters, from_mapping, parameter
+from social_fleet.parameters import Parameters, parameter
 
 
 @dataclass(frozen=True)
-class LidarConfig:
+class LidarConfig(Parameters):
     """A planar lidar: as many beams as fit from `angle_min` to `angle_max`.
 
     Raises
@@ -26,20 +25,15 @@ class LidarConfig:
     noise: float = parameter(0.0, minimum=0.0)  # standard deviation of a range [m]
 
     def __post_init__(self) -> None:
-        check_parameters(self)
+        super().__post_init__()
         for low, high in (("range_min", "range_max"), ("angle_min", "angle_max")):
             if getattr(self, high) <= getattr(self, low):
                 raise InvalidParameter(f"must be greater than {low} ({getattr(self, low):g}), not "
                                        f"{getattr(self, high):g}", field=high)
 
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any], *, source: str = "", prefix: str = "") -> "LidarConfig":
-        """Read from a YAML file's or parameter server's mapping; refuses unknown keys and wrong types."""
-        return from_mapping(cls, mapping, source=source, prefix=prefix)
-
 
 @dataclass(frozen=True)
-class SimulationConfig:
+class SimulationConfig(Parameters):
     """The simulated robots and their clock; config/fake_robots.yaml says when to change what.
 
     Raises
@@ -56,11 +50,3 @@ class SimulationConfig:
     seed: int = parameter(0, minimum=0)  # of all noise
     deadline_factor: float = parameter(3.0, minimum=1.0)  # a run is given up after this many makespans ...
     deadline_extra: float = parameter(60.0, minimum=0.0)  # ... and so much more [s]
-
-    def __post_init__(self) -> None:
-        check_parameters(self)
-
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any], *, source: str = "", prefix: str = "") -> "SimulationConfig":
-        """Read from a YAML file's or parameter server's mapping; refuses unknown keys and wrong types."""
-        return from_mapping(cls, mapping, source=source, prefix=prefix)

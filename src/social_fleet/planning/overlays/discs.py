@@ -8,6 +8,7 @@ import numpy as np
 
 from social_fleet.errors import InvalidParameter
 from social_fleet.mapping.grid import OccupancyGrid
+from social_fleet.planning.overlays.shapes import FARTHEST
 
 
 @dataclass(frozen=True)
@@ -20,8 +21,9 @@ class Disc:
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "radius"):
-            if not math.isfinite(getattr(self, name)):
-                raise InvalidParameter(f"must be finite, not {getattr(self, name)!r}", field=name)
+            if not abs(getattr(self, name)) <= FARTHEST:  # nor NaN
+                raise InvalidParameter(f"must be a finite number, {FARTHEST:g} at most, not {getattr(self, name)!r}",
+                                       field=name)
         if self.radius <= 0.0:
             raise InvalidParameter(f"must be positive, not {self.radius!r}", field="radius")
 

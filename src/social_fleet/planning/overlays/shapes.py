@@ -15,6 +15,7 @@ from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.mapping.polygons import Corner, checked_polygon, polygon_distances
 
 MAX_VERTICES = 500  # of a polygon; more than any obstacle needs, and few enough to be checked at once
+FARTHEST = 1e9  # [m] of any place or extent; what is beyond lies off every map, and its squares may overflow
 
 
 @dataclass(frozen=True)
@@ -141,10 +142,9 @@ Shape = Union[DiscObstacle, Rectangle, Polygon, Cells]
 def _checked_points(value: Any, field: str) -> Tuple[Corner, ...]:
     points: List[Corner] = []
     for index, point in enumerate(_listed(value, field)):
-        numbers = [float(number) for number in point] if _is_pair(point) else []
-        if not numbers or not all(map(math.isfinite, numbers)):
-            raise InvalidOverlay(f"must be two finite numbers (x, y), not {point!r}", field=f"{field}[{index}]")
-        points.append((numbers[0], numbers[1]))
+        if not _is_pair(point):
+            raise InvalidOverlay(f"must be two finite numbers (x, y), not {point!r:.80}", field=f"{field}[{index}]")
+        points.append((float(point[0]), float(point[1])))
     return tuple(points)
 
 
@@ -161,14 +161,15 @@ def _is_pair(point: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return number and bool(abs(value) <= FARTHEST)
 
 
 def _check_numbers(shape: Any, names: Sequence[str]) -> None:
     for name in names:
         value = getattr(shape, name)
-        if not (_is_number(value) and math.isfinite(value)):
-            raise InvalidOverlay(f"must be a finite number, not {value!r}", field=name)
+        if not _is_number(value):
+            raise InvalidOverlay(f"must be a finite number, {FARTHEST:g} at most, not {value!r:.80}", field=name)
 
 
 def _check_positive(shape: Any, names: Sequence[str]) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import struct
 import zipfile
 import zlib
 from typing import Any, Dict, Tuple
@@ -17,6 +18,11 @@ from social_fleet.planning.routes.social_graph import SocialGraph
 FORMAT = "social_fleet graph"
 VERSION = 2
 MOST_CELLS = 1 << 30  # of a map; a header that claims more was damaged
+
+# What reading an archive raises that is none, was damaged, or holds something else (AttributeError: a bare array, on
+# CPython 3.8; RuntimeError: encrypted, compressed in an unknown way, or JSON without end).
+_DAMAGED = (ValueError, KeyError, TypeError, IndexError, AttributeError, OverflowError, RuntimeError, EOFError,
+            zipfile.BadZipFile, zlib.error, struct.error)
 
 
 def write_graph(graph: SocialGraph, path: PathLike) -> None:
@@ -65,7 +71,7 @@ def read_graph(path: PathLike) -> SocialGraph:
         raise
     except OSError as error:
         raise InvalidGraph(f"cannot be read: {error.strerror or error}", source=source) from error
-    except (ValueError, KeyError, TypeError, IndexError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except _DAMAGED as error:
         raise InvalidGraph("is no social graph, or was cut short; learn it again", source=source) from error
 
 

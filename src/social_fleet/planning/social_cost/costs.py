@@ -13,6 +13,7 @@ from social_fleet.planning.social_cost.norms import Norm
 
 # A change of the followed distance by more than this many steps is an opening, not a drift.
 OPENING = 2.0
+MOST_RATE = 1e8  # of social cost per metre; sums of what is dearer would not be exact, and take a search minutes
 STRAIGHT_GAIN = 0.95  # share of a zigzag's cost that the straight way costs at most
 
 
@@ -86,7 +87,7 @@ def edge_costs(lattice: Lattice, blocked: np.ndarray, norm: Norm, *, stretch: fl
     Raises
     ------
     InvalidParameter
-        When the norm yields a rate that is negative or not finite.
+        When the norm yields a rate that is negative, not finite, or beyond `MOST_RATE`.
     """
     reach = max(each.reach for each in (norm, *(other for _, other in zoned)))
     walls = walls_beside(blocked, lattice.resolution, limit=reach, stretch=stretch)
@@ -114,8 +115,8 @@ def _fields(norm: Norm, walls: np.ndarray) -> np.ndarray:
                                        field="norm")
             fields[index, heading] = values
     for values, what in ((fields[0], "rate"), (fields[2], "weight of drift")):
-        if not np.isfinite(values).all() or (values < 0.0).any():
-            raise InvalidParameter(f"{name} yields a {what} that is negative or not finite", field="norm")
+        if not ((values >= 0.0) & (values <= MOST_RATE)).all():  # NaN is neither
+            raise InvalidParameter(f"{name} yields a {what} that is not within 0 to {MOST_RATE:g}", field="norm")
     return fields
 
 

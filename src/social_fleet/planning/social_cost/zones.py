@@ -59,7 +59,8 @@ class Zone:
             if key not in OVERRIDES:
                 raise InvalidParameter(f"is nothing that a zone may change; that are {', '.join(OVERRIDES)}",
                                        field=str(key))
-        PlannerConfig.from_mapping(self.overrides)
+        values = PlannerConfig.from_mapping(self.overrides)
+        object.__setattr__(self, "overrides", {key: getattr(values, key) for key in self.overrides})
 
     def config(self, config: PlannerConfig) -> PlannerConfig:
         """`config` as it is within the zone; a side goes before a norm of one's own that holds elsewhere."""
