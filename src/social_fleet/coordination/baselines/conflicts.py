@@ -84,7 +84,7 @@ def first_conflict(r: int, s: int, motions: Tuple[Trajectory, ...]) -> Tuple[Con
 def split(conflict: Conflict, motions: Tuple[Trajectory, ...]) -> Tuple[Rule, Rule]:
     """Two rules, of which every solution keeps at least one, and the present motions neither."""
     r, s = motions[conflict.r].pieces, motions[conflict.s].pieces
-    reach = motions[conflict.r].radius + motions[conflict.s].radius + 2.0 * MARGIN
+    reach = motions[conflict.r].radius + motions[conflict.s].radius + MARGIN
     if r[conflict.r_piece, EDGE] == WAIT:
         return _split_standing(conflict.r, r, conflict.r_piece, conflict.s, s, conflict.s_piece, reach)
     if s[conflict.s_piece, EDGE] == WAIT:
@@ -121,7 +121,7 @@ def _split_moves(r: int, r_move: np.ndarray, s: int, s_move: np.ndarray, reach: 
 
 def _later(robot: int, move: np.ndarray, other: np.ndarray, reach: float) -> EdgeRule:
     _, clear = unsafe_departures(move[X], move[Y], move[VX], move[VY], move[END] - move[BEGIN], other[BEGIN],
-                                 other[END], other[X], other[Y], other[VX], other[VY], reach)
+                                 other[END], other[X], other[Y], other[VX], other[VY], reach + MARGIN)
     return EdgeRule(robot, int(move[EDGE]), move[BEGIN], clear)
 
 
