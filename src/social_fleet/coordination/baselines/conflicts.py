@@ -1,7 +1,7 @@
 """Conflicts of two motions, and the two sets of rules that each leaves the choice between; see doc/baselines.md."""
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Tuple, Union
 
 import numpy as np
 from numba import njit
@@ -71,7 +71,7 @@ class LateRule:
     time: float
 
 
-Rule = object
+Rule = Union[EdgeRule, NodeRule, ParkedRule, LateRule]
 
 
 def first_conflict(r: int, s: int, motions: Tuple[Trajectory, ...]) -> Tuple[Conflict, ...]:
