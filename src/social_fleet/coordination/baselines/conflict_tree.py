@@ -17,6 +17,7 @@ from social_fleet.coordination.baselines.traffic import WAIT, Traffic, Trajector
 EQUAL = 1e-5
 """Costs that differ by less are equal [s]."""
 
+_WEIGHED = 24  # conflicts of a node, the earliest, of which it branches on the dearest
 _TRIED = 8  # conflicts whose children are looked at where none is cardinal
 _AFTER = 1e-6  # how much after a time an arrival counts as later [s]
 
@@ -81,7 +82,8 @@ class ConflictTree:
         that costs nothing and has fewer conflicts, which then takes its place with no more rules than before.
         """
         traffic = self._traffic(node.motions, node.rules)
-        choices = sorted((self._choice(node, conflict, traffic) for conflict in node.conflicts),
+        first = sorted(node.conflicts, key=lambda conflict: conflict.time)[:_WEIGHED]
+        choices = sorted((self._choice(node, conflict, traffic) for conflict in first),
                          key=lambda choice: choice.worth, reverse=True)
         if self.deadline.stop[0]:
             return [], node.cost
