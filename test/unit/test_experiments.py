@@ -17,9 +17,9 @@ from social_fleet.errors import InvalidInput, InvalidParameter
 from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, routes
 from social_fleet.experiments.fig7 import busiest_place, member_counts
 from social_fleet.experiments.frame import Result, World, csv_text, write_result
-from social_fleet.experiments.metrics import right_distance
-from social_fleet.experiments.table2 import rows_of
-from social_fleet.experiments.trials import METHODS, Trials, attempt, mean_and_std, solve, solved_by_all
+from social_fleet.experiments.metrics import heading_change_per_metre, right_distance
+from social_fleet.experiments.table2 import measure, rows_of
+from social_fleet.experiments.trials import METHODS, Attempt, attempt, mean_and_std, solve, three_methods
 from social_fleet.mapping.files import save_map
 from social_fleet.planning.overlays.overlay_set import OverlaySet
 from social_fleet.planning.planner import SocialPlanner
@@ -44,8 +44,9 @@ def make_few(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("name", list(EXPERIMENTS))
 def test_each_writes_a_document_a_table_and_a_picture(name: str, tmp_path: Path) -> None:
     shares: List[float] = []
-    result = experiment_named(name).run([WORLD], trials=4, seed=1, progress=shares.append)
-    assert shares == sorted(shares) and shares[-1] == pytest.approx(1.0)
+    result = experiment_named(name).run([WORLD], trials=4, seed=1,
+                                        progress=lambda done, total: shares.append(done / total))
+    assert shares == sorted(shares) and shares[-1] == 1.0
     paths = write_result(result, tmp_path / "new")
     assert paths == [str(tmp_path / "new" / (name + ending)) for ending in (".json", ".csv", ".png")]
     document = json.loads(Path(paths[0]).read_text())
@@ -66,26 +67,25 @@ def test_the_seed_decides_all_but_times(name: str) -> None:
 
 
 def test_methods_are_judged_on_the_pairs_that_all_solved() -> None:
-    planner = SocialPlanner(RING)
+    methods = three_methods(RING)
     pairs = [((2.0, 2.0), (14.0, 2.0)), ((2.0, 9.0), (14.0, 9.0)), ((2.0, 2.0), (14.0, 2.5))]
-    solved = solve(planner, pairs, list(METHODS), lambda share: None)
-    whole = rows_of(WORLD, solved)
-    assert [row["failed"] for row in whole] == [0, 0, 0]
-    gap = solved["rrt_star"]
-    solved["rrt_star"] = Trials([gap.plans[0], None, gap.plans[2]], gap.times)
-    assert solved_by_all(solved).tolist() == [0, 2]
-    rows = rows_of(WORLD, solved)
+    solved = [solve(methods, pair) for pair in pairs]
+    assert [row["failed"] for row in rows_of("ring", [measure(RING, pairs[0], each) for each in solved])] == [0, 0, 0]
+    solved[1]["rrt_star"] = Attempt(None, 0.1)
+    rows = rows_of("ring", [measure(RING, pairs[0], each) for each in solved])
     assert [row["failed"] for row in rows] == [0, 1, 0] and {row["solved_by_all"] for row in rows} == {2}
-    for row, trials in zip(rows, solved.values()):
-        kept = [trials.plans[0], trials.plans[2]]
-        assert row["length_mean"] == pytest.approx(np.mean([plan.length for plan in kept]))
-        assert row["right_distance_mean"] == pytest.approx(np.mean([right_distance(RING, p.points) for p in kept]))
-        assert row["time_mean"] == pytest.approx(trials.times[[0, 2]].mean())
+    for row in rows:
+        kept = [solved[0][row["method"]], solved[2][row["method"]]]
+        plans = [found.plan for found in kept if found.plan is not None]
+        assert row["length_mean"] == pytest.approx(np.mean([plan.length for plan in plans]))
+        assert row["right_distance_mean"] == pytest.approx(np.mean([right_distance(RING, p.points) for p in plans]))
+        assert row["heading_change_per_metre"] == pytest.approx(heading_change_per_metre([p.points for p in plans]))
+        assert row["time_mean"] == pytest.approx(np.mean([found.time for found in kept]))
 
 
 def test_without_any_path_there_are_no_means() -> None:
-    nothing = {method: Trials([None], np.array([0.1])) for method in METHODS}
-    rows = rows_of(WORLD, nothing)
+    nothing = measure(RING, ((2.0, 2.0), (14.0, 2.0)), {method: Attempt(None, 0.1) for method in METHODS})
+    rows = rows_of("ring", [nothing])
     assert [row["failed"] for row in rows] == [1, 1, 1]
     assert all(row["length_mean"] is None and row["time_median"] is None for row in rows)
     assert mean_and_std([]) == (None, None) and mean_and_std([1.0, 3.0]) == (2.0, 1.0)
@@ -180,7 +180,7 @@ def test_on_the_command_line(folder: Path, capsys: pytest.CaptureFixture) -> Non
     assert main(["experiment", "table2", *own, "--trials", "2", "--out", "out", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown == json.loads(Path("out/table2.json").read_text())
-    assert sorted(os.listdir("out")) == ["table2.csv", "table2.json", "table2.png"]
+    assert sorted(os.listdir("out")) == ["table2.cells", "table2.csv", "table2.json", "table2.png"]
     assert main(["experiment", "fig6", "--map", "ring.yaml", "--trials", "1", "--out", "out"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("map") and lines[-1] == f"wrote {os.path.join('out', 'fig6.png')}"
@@ -206,10 +206,46 @@ def test_a_wrong_command_line_leaves_nothing(folder: Path, capsys: pytest.Captur
     assert sorted(os.listdir(".")) == before
 
 
-def test_interrupting_leaves_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupting_leaves_no_half_result(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("social_fleet.experiments.frame.save_figure", interrupted)
     assert main(["experiment", "fig6", "--map", "ring.yaml", "--trials", "1", "--out", "out"]) == 130
-    assert not os.path.isdir("out") or os.listdir("out") == []
+    assert os.listdir("out") == ["fig6.cells"]
+
+
+def test_the_same_command_goes_on_after_an_interruption(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                                        capsys: pytest.CaptureFixture) -> None:
+    command = ["experiment", "table2", "--map", "ring.yaml", "--only", "--trials", "4", "--out", "out"]
+    assert main([*command[:-1], "whole"]) == 0
+    capsys.readouterr()
+    planned: List[Any] = []
+
+    def count(_: Any, pair: Any) -> Any:
+        planned.append(pair)
+        if len(planned) == 4:
+            raise KeyboardInterrupt
+        return solve(_, pair)
+
+    monkeypatch.setattr("social_fleet.experiments.trials.solve", count)
+    assert main(command) == 130
+    captured = capsys.readouterr()
+    kept = f"finished cells are kept in {os.path.join('out', 'table2.cells')}"
+    assert captured.err == f"interrupted: {kept}; the same command goes on from there\n" and captured.out == ""
+    assert main(command) == 0
+    assert len(planned) - 4 == 1 + 2  # one to warm up, then the third, in which it was stopped, and the fourth
+    rows = [json.loads((Path(out) / "table2.json").read_text())["rows"] for out in ("out", "whole")]
+    for ours, whole in zip(*rows):
+        assert {key: ours[key] for key in ours if "time" not in key} == {
+            key: whole[key] for key in whole if "time" not in key}
+
+
+def test_before_the_first_cell_nothing_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                               capsys: pytest.CaptureFixture) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("social_fleet.experiments.trials.solve", interrupted)
+    assert main(["experiment", "fig6", "--map", "ring.yaml", "--trials", "1", "--out", "out"]) == 130
+    assert capsys.readouterr().err.startswith("interrupted: no cell was finished") and not os.path.exists("out")

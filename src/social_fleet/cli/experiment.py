@@ -2,10 +2,15 @@
 
 table2: length, right distance and time of A*, RRT* and the social planner. fig6: their paths. fig7: the social graph as
 it grows, and round an obstacle. fig8: planning time on the graph. predictability: entropy of headings per place.
+
+What is finished is kept in DIR/NAME.cells: after an interruption the same command goes on where it was.
 """
 
 import argparse
-from typing import Any, Dict, List, Optional, Sequence
+import os
+import sys
+from contextlib import ExitStack
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from social_fleet.cli.arguments import count, seed
 from social_fleet.cli.output import show, table, written
@@ -36,12 +41,37 @@ def run(args: argparse.Namespace) -> int:
     check_folder(args.name, args.out)
     experiment = experiment_named(args.name)
     worlds = experiment.worlds(args.map, only=args.only)
-    with progress(100, args.name, "%") as update:
-        result = experiment.run(worlds, trials=args.trials or experiment.trials, seed=args.seed,
-                                progress=lambda share: update(round(100.0 * share)))
+    with Cells(args.name, args.out) as cells:
+        result = experiment.run(worlds, trials=args.trials or experiment.trials, seed=args.seed, folder=args.out,
+                                progress=cells.tell)
     paths = write_result(result, args.out)
     show(args, result.to_dict() if args.json else None, [*summary(result.rows), *written(*paths)])
     return 0
+
+
+class Cells(ExitStack):
+    """A bar that shows how many cells are done and, when they are interrupted, a line that says how to go on."""
+
+    def __init__(self, name: str, folder: str) -> None:
+        super().__init__()
+        self._name = name
+        self._folder = folder
+        self._update: Optional[Callable[[float], None]] = None
+        self.push(self._interrupted)
+
+    def tell(self, done: int, total: int) -> None:
+        """Show that `done` of `total` cells are done."""
+        if self._update is None:
+            self._update = self.enter_context(progress(total, self._name, "cells", initial=done))
+        self._update(done)
+
+    def _interrupted(self, kind: Any, *_: Any) -> None:
+        """Called when all is over, with the class of what ended it."""
+        from social_fleet.experiments.cells import cells_file
+        path = cells_file(self._name, self._folder)
+        if kind is not None and issubclass(kind, KeyboardInterrupt):
+            kept = f"finished cells are kept in {path}" if os.path.exists(path) else "no cell was finished"
+            print(f"interrupted: {kept}; the same command goes on from there", file=sys.stderr)
 
 
 def summary(rows: Sequence[Dict[str, Any]]) -> List[str]:

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from social_fleet.errors import InvalidPose, NoPath
-from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World
+from social_fleet.experiments.cells import Progress, Work
+from social_fleet.experiments.frame import Experiment, Result, Row, World
 from social_fleet.experiments.maps import draw_edges, map_panels
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.overlays.overlay_set import OverlaySet
@@ -39,14 +40,14 @@ class Stage(NamedTuple):
 
 
 class Figure7(Experiment):
-    """Random paths are aggregated; then something stands in the busiest lane."""
+    """Random paths are aggregated; then something stands in the busiest lane. Each builds on those before: no cells."""
 
     name = "fig7"
     trials = 250
     maps = ("environment_1",)
     adds_maps = False
 
-    def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
+    def _run(self, worlds: Sequence[World], trials: int, seed: int, work: Work) -> Result:
         world = worlds[0]
         planner = SocialPlanner(world.grid, PlannerConfig(promotion_threshold=0))  # detours stay detours
         planner.prepare()
@@ -57,11 +58,11 @@ class Figure7(Experiment):
         stages: List[Stage] = []
         for done, pair in enumerate(pairs[:trials], start=1):
             routes.add(planner.plan(*pair))
-            progress(0.5 * done / trials)
+            work.progress(done, 2 * trials)
             stages += [_stage(routes, "", done, 0, 0) for panel in (early, trials) if panel == done]
         place = busiest_place(planner, routes)
         overlays.add(OBSTACLE, DiscObstacle(place[0], place[1], OBSTACLE_RADIUS))
-        stages.append(self._with_obstacle(planner, routes, pairs[trials:], progress))
+        stages.append(self._with_obstacle(planner, routes, pairs[trials:], work.progress))
         caption = (
             f"The social graph of {world.name} from paths between random poses, seed {seed}; an edge that more paths "
             "use is darker. (a), (b): lanes along the walls emerge and fill. (c): a disc of radius "
@@ -85,7 +86,7 @@ class Figure7(Experiment):
             else:
                 temporary += plan.temporary
                 routes.add(plan)
-            progress(0.5 + 0.5 * done / len(pairs))
+            progress(len(pairs) + done, 2 * len(pairs))
         return _stage(routes, OBSTACLE, routes.counted, temporary, refused)
 
 

@@ -1,13 +1,16 @@
 """Figure 8: planning time on the social graph, relative to plain A*, against the paths that the graph is made of."""
 
-from typing import Dict, List, NamedTuple, Sequence
+import functools
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from social_fleet.experiments.cells import Cell, Work
 from social_fleet.experiments.charts import add_caption, add_title, plain_frame
-from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World, part
+from social_fleet.experiments.frame import Experiment, Result, Row, World
 from social_fleet.experiments.trials import Pair, attempt
+from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
 from social_fleet.planning.routes.heatmaps import Heatmaps
@@ -35,10 +38,10 @@ class Figure8(Experiment):
     trials = 100
     maps = ("environment_1", "environment_2", "office_floor")
 
-    def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
-        rows: List[Row] = []
-        for index, world in enumerate(worlds):
-            rows += measure(world, trials, seed, part(progress, index, len(worlds)))
+    def _run(self, worlds: Sequence[World], trials: int, seed: int, work: Work) -> Result:
+        cells = cells_of([world.grid for world in worlds], trials, seed)
+        names = [world.name for world in worlds for _ in PATHS]
+        rows = [{"map": name, **value} for name, value in zip(names, work.values(cells))]
         caption = (
             "Planning with Eq. 4 on a graph of so many random paths, relative to plain A* of the same minute: the "
             f"same {trials} pairs each time, each pair the median of {REPEATS}, A* and social in turn, smoothing "
@@ -49,24 +52,32 @@ class Figure8(Experiment):
         return Result(self.name, caption, rows, settings, _draw(worlds, rows, caption))
 
 
-def measure(world: World, trials: int, seed: int, progress: Progress) -> List[Row]:
-    """A row for every size of the graph."""
-    planner = SocialPlanner(world.grid)
-    planner.prepare()
-    pairs = random_pose_pairs(planner, trials, seed=seed)
-    graphs = _graphs(planner, seed + 1)
-    rows = []
-    for index, (paths, graph) in enumerate(graphs.items()):
-        planner.graph = graph
-        timing = time_pairs(planner, pairs, part(progress, index, len(graphs)))
-        found = ~np.isnan(timing.social_expanded + timing.shortest_expanded)
-        expanded = timing.social_expanded[found].sum(), timing.shortest_expanded[found].sum()
-        rows.append({"map": world.name, "paths": paths, "edges": graph.edge_count,
-                     "social_time": float(timing.social.mean()), "shortest_time": float(timing.shortest.mean()),
-                     "time_ratio": float(timing.social.sum() / timing.shortest.sum()),
-                     "expanded_ratio": float(expanded[0] / expanded[1]) if expanded[1] > 0 else None,
-                     "failed": int((~found).sum())})
-    return rows
+def cells_of(grids: Sequence[OccupancyGrid], trials: int, seed: int) -> List[Cell]:
+    """A cell for every size of the graph, map by map; planner and graphs of one map at a time are there."""
+    @functools.lru_cache(maxsize=1)
+    def ready(index: int) -> Tuple[SocialPlanner, List[Pair], Dict[int, SocialGraph]]:
+        planner = SocialPlanner(grids[index])
+        planner.prepare()
+        return planner, random_pose_pairs(planner, trials, seed=seed), _graphs(planner, seed + 1)
+
+    def compute(index: int, paths: int) -> Row:
+        planner, pairs, graphs = ready(index)
+        planner.graph = graphs[paths]
+        return {"paths": paths, "edges": graphs[paths].edge_count, **measure(planner, pairs)}
+
+    return [Cell({"map": grid.digest, "trials": trials, "seed": seed, "repeats": REPEATS, "paths": paths},
+                 functools.partial(compute, index, paths)) for index, grid in enumerate(grids) for paths in PATHS]
+
+
+def measure(planner: SocialPlanner, pairs: Sequence[Pair]) -> Row:
+    """Times and nodes of both methods, and their ratios."""
+    timing = time_pairs(planner, pairs)
+    found = ~np.isnan(timing.social_expanded + timing.shortest_expanded)
+    expanded = timing.social_expanded[found].sum(), timing.shortest_expanded[found].sum()
+    return {"social_time": float(timing.social.mean()), "shortest_time": float(timing.shortest.mean()),
+            "time_ratio": float(timing.social.sum() / timing.shortest.sum()),
+            "expanded_ratio": float(expanded[0] / expanded[1]) if expanded[1] > 0 else None,
+            "failed": int((~found).sum())}
 
 
 def _graphs(planner: SocialPlanner, seed: int) -> Dict[int, SocialGraph]:
@@ -83,7 +94,7 @@ def _graphs(planner: SocialPlanner, seed: int) -> Dict[int, SocialGraph]:
     return graphs
 
 
-def time_pairs(planner: SocialPlanner, pairs: Sequence[Pair], progress: Progress) -> Timing:
+def time_pairs(planner: SocialPlanner, pairs: Sequence[Pair]) -> Timing:
     """Plain A* and the social planner in turn, pair by pair, several times; the first pass only warms up."""
     methods = ("social", "shortest")
     times = np.zeros((REPEATS + 1, len(pairs), 2))
@@ -93,7 +104,6 @@ def time_pairs(planner: SocialPlanner, pairs: Sequence[Pair], progress: Progress
             for which, method in enumerate(methods):
                 plan, times[repeat, index, which] = attempt(planner, pair, method)
                 expanded[index, which] = np.nan if plan is None else plan.expanded
-        progress((repeat + 1) / (REPEATS + 1))
     medians = np.median(times[1:], axis=0)
     return Timing(medians[:, 0], medians[:, 1], expanded[:, 0], expanded[:, 1])
 

@@ -5,11 +5,12 @@ import io
 import os
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from matplotlib.figure import Figure
 
 from social_fleet.errors import InvalidInput, InvalidParameter
+from social_fleet.experiments.cells import Progress, Work, cells_file
 from social_fleet.files import PathLike, atomic_write, check_writable, dump_json
 from social_fleet.mapping.files import load_map
 from social_fleet.mapping.grid import OccupancyGrid
@@ -17,7 +18,6 @@ from social_fleet.scenario.locations import package_folder
 from social_fleet.scenario.pictures.style import save_figure
 
 Row = Dict[str, Any]
-Progress = Callable[[float], None]  # called with the share that is done, 0 to 1
 ENDINGS = (".json", ".csv", ".png")
 
 
@@ -119,8 +119,8 @@ class Experiment(ABC):
             raise InvalidInput(f"{self.name} draws one map, not {len(worlds)}", field="--map")
         return worlds
 
-    def run(self, worlds: Sequence[World], *, trials: int, seed: int,
-            progress: Progress = lambda share: None) -> Result:
+    def run(self, worlds: Sequence[World], *, trials: int, seed: int, folder: Optional[PathLike] = None,
+            progress: Progress = lambda done, total: None) -> Result:
         """Run it.
 
         Parameters
@@ -131,29 +131,27 @@ class Experiment(ABC):
             Pairs or paths per map.
         seed : int
             Same seed, same result, times aside.
+        folder : path, optional
+            Where the values of finished cells are kept, and found by the next run; see `cells`.
         progress : callable
-            Called with the share that is done.
+            Called with how much is done, and of how much.
 
         Raises
         ------
         InvalidParameter
             When there are no trials or the seed is negative.
         InvalidInput
-            When a map has no room for a robot and a goal.
+            When a map has no room for a robot and a goal, or the folder cannot be written.
         """
         for value, least, name in ((trials, 1, "trials"), (seed, 0, "seed")):
             if value < least:
                 raise InvalidParameter(f"must be at least {least}, not {value}", field=name)
-        return self._run(worlds, trials, seed, progress)
+        work = Work(self.name, type(self).__module__, folder=folder, progress=progress)
+        return self._run(worlds, trials, seed, work)
 
     @abstractmethod
-    def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
-        """What `run` does, with arguments that are checked."""
-
-
-def part(progress: Progress, index: int, count: int) -> Progress:
-    """The progress of the `index`-th of `count` equal parts, as a share of the whole."""
-    return lambda share: progress((index + share) / count)
+    def _run(self, worlds: Sequence[World], trials: int, seed: int, work: Work) -> Result:
+        """What `run` does, with arguments that are checked; what takes long is done in cells, by `work.values`."""
 
 
 def files_of(name: str, folder: PathLike) -> List[str]:
@@ -170,7 +168,7 @@ def check_folder(name: str, folder: PathLike) -> None:
         With the path as its source.
     """
     if os.path.isdir(folder):
-        for path in files_of(name, folder):
+        for path in [*files_of(name, folder), cells_file(name, folder)]:
             check_writable(path)
     elif os.path.exists(folder):
         raise InvalidInput("is a file; name a folder", source=os.fspath(folder))

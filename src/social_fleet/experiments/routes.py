@@ -1,13 +1,16 @@
 """Predictability of routes: how well a place tells where a robot that drives through it is heading."""
 
-from typing import Dict, List, Optional, Sequence
+from typing import Dict, List, Sequence
 
+import numpy as np
+
+from social_fleet.experiments.cells import Work
 from social_fleet.experiments.charts import Bars, bar_chart
-from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World, part
+from social_fleet.experiments.frame import Experiment, Result, Row, World
 from social_fleet.experiments.metrics import heading_change_per_metre, predictability
-from social_fleet.experiments.trials import COLOURS, METHODS, Trials, solve, solved_by_all
+from social_fleet.experiments.trials import COLOURS, METHODS, Attempt, Methods, Pair, pair_cells, three_methods
+from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.random_poses import random_pose_pairs
 from social_fleet.planning.routes.social_graph import learn
 
 LEARNT = 250  # paths that the graph is made of
@@ -23,10 +26,12 @@ class PredictabilityOfRoutes(Experiment):
     trials = 500
     maps = ("environment_1", "environment_2", "office_floor")
 
-    def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
-        rows: List[Row] = []
-        for index, world in enumerate(worlds):
-            rows += measure(world, trials, seed, part(progress, index, len(worlds)))
+    def _run(self, worlds: Sequence[World], trials: int, seed: int, work: Work) -> Result:
+        cells = pair_cells([world.grid for world in worlds], trials, seed, paths_of,
+                           methods_on=lambda grid: four_methods(grid, seed))
+        values = work.values([cell for own in cells for cell in own])
+        rows = [row for index, world in enumerate(worlds)
+                for row in rows_of(world.name, values[index * trials:(index + 1) * trials])]
         caption = (
             f"{trials} random pairs per map, those that every method solved. Entropy: of the eight headings driven "
             "in a square of 0.5 m, averaged over the metres driven; 0 where all robots go one way, 1 where two ways "
@@ -40,23 +45,29 @@ class PredictabilityOfRoutes(Experiment):
         return Result(self.name, caption, rows, settings, figure)
 
 
-def measure(world: World, trials: int, seed: int, progress: Progress) -> List[Row]:
-    """A row per method."""
-    planner = SocialPlanner(world.grid)
-    planner.prepare()
-    pairs = random_pose_pairs(planner, trials, seed=seed)
-    solved: Dict[str, Trials] = solve(planner, pairs, list(METHODS), part(progress, 0, 2))
-    planner.graph = learn(planner, paths=LEARNT, seed=seed + 1,
-                          progress=lambda done, count: progress(0.5 + 0.25 * done / count))
-    solved["social_graph"] = solve(planner, pairs, ["social"], lambda share: progress(0.75 + 0.25 * share))["social"]
-    common = solved_by_all(solved)
+def four_methods(grid: OccupancyGrid, seed: int) -> Methods:
+    """The three, and the social planner with a graph that it has learnt."""
+    methods = dict(three_methods(grid))
+    on_graph = SocialPlanner(grid, graph=learn(methods["social"][0], paths=LEARNT, seed=seed + 1))
+    on_graph.prepare()
+    return {**methods, "social_graph": (on_graph, "social")}
+
+
+def paths_of(_: OccupancyGrid, __: Pair, attempts: Dict[str, Attempt]) -> Row:
+    """By method, its path of a pair (N, 2) [m]; None where it found none."""
+    return {method: None if found.plan is None else found.plan.points for method, found in attempts.items()}
+
+
+def rows_of(map_name: str, pairs: Sequence[Row]) -> List[Row]:
+    """A row per method, on the pairs that all of them solved."""
+    common = [pair for pair in pairs if all(points is not None for points in pair.values())]
     rows = []
-    for method, each in solved.items():
-        points = [plan.points for plan in (each.plans[index] for index in common) if plan is not None]
+    for method in pairs[0]:
+        points = [np.array(pair[method]) for pair in common]
         measured = predictability(points)
-        entropy: Optional[float] = measured.entropy if points else None
-        rows.append({"map": world.name, "method": method, "pairs": trials, "failed": each.failed,
-                     "solved_by_all": len(common), "entropy": entropy, "squares": measured.squares,
+        rows.append({"map": map_name, "method": method, "pairs": len(pairs),
+                     "failed": sum(pair[method] is None for pair in pairs), "solved_by_all": len(common),
+                     "entropy": measured.entropy if points else None, "squares": measured.squares,
                      "paths_per_square": measured.paths_per_square,
                      "heading_change_per_metre": heading_change_per_metre(points)})
     return rows

@@ -1,18 +1,18 @@
 """Table 2: length, distance from the right-hand wall and planning time of A*, RRT* and the social planner."""
 
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence
 
 import numpy as np
 
+from social_fleet.experiments.cells import Work
 from social_fleet.experiments.charts import Bars, bar_chart
-from social_fleet.experiments.frame import Experiment, Progress, Result, Row, World, part
-from social_fleet.experiments.metrics import (heading_change_per_metre, mean_wall_distance, median_wall_distance,
+from social_fleet.experiments.frame import Experiment, Result, Row, World
+from social_fleet.experiments.metrics import (heading_change, mean_wall_distance, median_wall_distance,
                                               paper_wall_distance, wall_samples)
 from social_fleet.experiments.paper import TABLE_2
-from social_fleet.experiments.trials import COLOURS, METHODS, Trials, mean_and_std, solve, solved_by_all
+from social_fleet.experiments.trials import COLOURS, METHODS, Attempt, Pair, mean_and_std, pair_cells
 from social_fleet.mapping.grid import OccupancyGrid
-from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.random_poses import random_pose_pairs
+from social_fleet.planning.plan import Plan
 
 PANELS = (("length", "path length [m]"), ("right_distance", "distance from the right wall,\nthe paper's rule [m]"),
           ("right_distance_median", "distance from the right wall,\nmedian of all of the way [m]"),
@@ -26,14 +26,11 @@ class Table2(Experiment):
     trials = 500
     maps = ("environment_1", "environment_2", "office_floor")
 
-    def _run(self, worlds: Sequence[World], trials: int, seed: int, progress: Progress) -> Result:
-        rows: List[Row] = []
-        for index, world in enumerate(worlds):
-            planner = SocialPlanner(world.grid)
-            planner.prepare()
-            pairs = random_pose_pairs(planner, trials, seed=seed)
-            solved = solve(planner, pairs, list(METHODS), part(progress, index, len(worlds)))
-            rows += rows_of(world, solved)
+    def _run(self, worlds: Sequence[World], trials: int, seed: int, work: Work) -> Result:
+        cells = pair_cells([world.grid for world in worlds], trials, seed, measure)
+        values = work.values([cell for own in cells for cell in own])
+        rows = [row for index, world in enumerate(worlds)
+                for row in rows_of(world.name, values[index * trials:(index + 1) * trials])]
         caption = (
             f"{trials} random pairs per map, the same for all methods; mean and standard deviation over the pairs that "
             "every method solved. Right distance by the paper's rule: mean over a vertex per cell, without those where "
@@ -49,38 +46,39 @@ class Table2(Experiment):
         return Result(self.name, caption, rows, settings, figure)
 
 
-def rows_of(world: World, solved: Dict[str, Trials]) -> List[Row]:
-    """A row per method: all methods are judged on the pairs that all of them solved."""
-    common = solved_by_all(solved)
-    distances = {method: [_distances(world.grid, trials.plans[index]) for index in common]
-                 for method, trials in solved.items()}
-    judged = [k for k in range(len(common)) if all(found[k][0] is not None for found in distances.values())]
-    rows = []
-    for method, trials in solved.items():
-        plans = [plan for plan in (trials.plans[index] for index in common) if plan is not None]
-        figures = {"length": [plan.length for plan in plans],
-                   "right_distance": [distances[method][k][0] for k in judged],
-                   "right_distance_arc": _known(mean for _, mean, _ in distances[method]),
-                   "right_distance_median": _known(median for _, _, median in distances[method]),
-                   "time": trials.times[common]}
-        row: Row = {"map": world.name, "method": method, "pairs": len(trials.plans), "failed": trials.failed,
-                    "solved_by_all": len(common), "with_right_distance": len(judged)}
-        for name, values in figures.items():
-            row[f"{name}_mean"], row[f"{name}_std"] = mean_and_std(values)
-        row["time_median"] = float(np.median(figures["time"])) if len(common) else None
-        row["heading_change_per_metre"] = heading_change_per_metre([plan.points for plan in plans])
-        rows.append({**row, **_paper(world.name, method)})
-    return rows
+def measure(grid: OccupancyGrid, _: Pair, attempts: Dict[str, Attempt]) -> Row:
+    """By method, what its plan of a pair measures; but for the time all None where it found none."""
+    return {method: {"time": found.time, **_measures(grid, found.plan)} for method, found in attempts.items()}
 
 
-def _distances(grid: OccupancyGrid, plan: Any) -> Tuple[Optional[float], Optional[float], Optional[float]]:
-    """Right distance by the paper's rule, and its mean and median over the arc length [m]."""
+def _measures(grid: OccupancyGrid, plan: Optional[Plan]) -> Row:
+    if plan is None:
+        return dict.fromkeys(("length", "right_distance", "right_distance_arc", "right_distance_median", "turns"))
     samples = wall_samples(grid, plan.points)
-    return paper_wall_distance(samples), mean_wall_distance(samples), median_wall_distance(samples)
+    return {"length": plan.length, "right_distance": paper_wall_distance(samples),
+            "right_distance_arc": mean_wall_distance(samples), "right_distance_median": median_wall_distance(samples),
+            "turns": heading_change(plan.points)}
 
 
-def _known(values: Iterable[Optional[float]]) -> List[float]:
-    return [value for value in values if value is not None]
+def rows_of(map_name: str, pairs: Sequence[Row]) -> List[Row]:
+    """A row per method, from what `measure` gave for each pair: all are judged on the pairs that all of them solved."""
+    common = [pair for pair in pairs if all(each["length"] is not None for each in pair.values())]
+    judged = [pair for pair in common if all(each["right_distance"] is not None for each in pair.values())]
+    rows = []
+    for method in pairs[0]:
+        own = [pair[method] for pair in common]
+        row: Row = {"map": map_name, "method": method, "pairs": len(pairs),
+                    "failed": sum(pair[method]["length"] is None for pair in pairs),
+                    "solved_by_all": len(common), "with_right_distance": len(judged)}
+        for name in ("length", "right_distance", "right_distance_arc", "right_distance_median", "time"):
+            among = [pair[method] for pair in judged] if name == "right_distance" else own
+            row[f"{name}_mean"], row[f"{name}_std"] = mean_and_std([each[name] for each in among
+                                                                    if each[name] is not None])
+        row["time_median"] = float(np.median([each["time"] for each in own])) if own else None
+        way = sum(each["length"] for each in own)
+        row["heading_change_per_metre"] = sum(each["turns"] for each in own) / way if way > 0.0 else 0.0
+        rows.append({**row, **_paper(map_name, method)})
+    return rows
 
 
 def _paper(map_name: str, method: str) -> Row:

@@ -1,76 +1,82 @@
 """Random pairs, solved by several planners in turn, with the time that each took."""
 
+import functools
 import time
-from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from social_fleet.errors import NoPath
-from social_fleet.experiments.frame import Progress
+from social_fleet.experiments.cells import Cell
+from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.random_poses import Position
+from social_fleet.planning.random_poses import Position, random_pose_pairs
 
 METHODS = {"shortest": "A*", "rrt_star": "RRT*", "social": "social"}  # planner's name and the table's
 COLOURS = {"shortest": "#0072B2", "rrt_star": "#E69F00", "social": "#009E73", "social_graph": "#CC79A7"}
 Pair = Tuple[Position, Position]
+Methods = Mapping[str, Tuple[SocialPlanner, str]]  # by a method's name: who plans, and which of its planners
 
 
-@dataclass(frozen=True)
-class Trials:
-    """One method's plans of all pairs.
+class Attempt(NamedTuple):
+    """What came of one pair with one method: a plan, None where it found no path, and the wall time taken [s]."""
 
-    Attributes
+    plan: Optional[Plan]
+    time: float
+
+
+def three_methods(grid: OccupancyGrid) -> Methods:
+    """A*, RRT* and the social planner on one map."""
+    planner = SocialPlanner(grid)
+    planner.prepare()
+    return {method: (planner, method) for method in METHODS}
+
+
+def pair_cells(grids: Sequence[OccupancyGrid], trials: int, seed: int,
+               measure: Callable[[OccupancyGrid, Pair, Dict[str, Attempt]], Any], *,
+               methods_on: Callable[[OccupancyGrid], Methods] = three_methods) -> List[List[Cell]]:
+    """For each map a cell per random pair; the pairs of fewer trials are the first ones of more.
+
+    Parameters
     ----------
-    plans : list of Plan or None
-        None where it found no path.
-    times : (P,) array
-        Wall time of each [s], smoothing included, whether it found a path or not.
+    grids : sequence of OccupancyGrid
+        Maps; planners of one at a time are there.
+    trials, seed : int
+        How many pairs, and which.
+    measure : callable
+        Makes a cell's value of a map, a pair, and what each method made of it.
+    methods_on : callable
+        The methods on a map; the first one's planner tells where robots fit.
     """
+    @functools.lru_cache(maxsize=1)
+    def ready(index: int) -> Tuple[Methods, List[Pair]]:
+        methods = methods_on(grids[index])
+        pairs = random_pose_pairs(next(iter(methods.values()))[0], trials, seed=seed)
+        solve(methods, pairs[0])  # so that compilation is in nobody's time
+        return methods, pairs
 
-    plans: List[Optional[Plan]]
-    times: np.ndarray
+    def compute(index: int, trial: int) -> Any:
+        methods, pairs = ready(index)
+        return measure(grids[index], pairs[trial], solve(methods, pairs[trial]))
 
-    @property
-    def failed(self) -> int:
-        """How many pairs it found no path for."""
-        return sum(plan is None for plan in self.plans)
-
-
-def solve(planner: SocialPlanner, pairs: Sequence[Pair], methods: Sequence[str],
-          progress: Progress) -> Dict[str, Trials]:
-    """All pairs by all methods, pair by pair, so that a busy spell of the machine hits all of them alike.
-
-    The first pair is planned once beforehand, so that compilation is in nobody's time.
-    """
-    plans: Dict[str, List[Optional[Plan]]] = {method: [] for method in methods}
-    times: Dict[str, List[float]] = {method: [] for method in methods}
-    for method in methods:
-        attempt(planner, pairs[0], method)
-    for done, pair in enumerate(pairs, start=1):
-        for method in methods:
-            plan, taken = attempt(planner, pair, method)
-            plans[method].append(plan)
-            times[method].append(taken)
-        progress(done / len(pairs))
-    return {method: Trials(plans[method], np.array(times[method])) for method in methods}
+    return [[Cell({"map": grid.digest, "seed": seed, "pair": trial}, functools.partial(compute, index, trial))
+             for trial in range(trials)] for index, grid in enumerate(grids)]
 
 
-def attempt(planner: SocialPlanner, pair: Pair, method: str) -> Tuple[Optional[Plan], float]:
-    """A plan, None where there is no path, and the wall time that it took [s]."""
+def solve(methods: Methods, pair: Pair) -> Dict[str, Attempt]:
+    """A pair by all methods in turn, so that a busy spell of the machine hits all of them alike."""
+    return {method: attempt(planner, pair, which) for method, (planner, which) in methods.items()}
+
+
+def attempt(planner: SocialPlanner, pair: Pair, method: str) -> Attempt:
+    """One pair by one method."""
     begun = time.perf_counter()
     try:
         plan: Optional[Plan] = planner.plan(*pair, planner=method)
     except NoPath:
         plan = None
-    return plan, time.perf_counter() - begun
-
-
-def solved_by_all(trials: Dict[str, Trials]) -> np.ndarray:
-    """Indices of the pairs that every method found a path for."""
-    found = np.array([[plan is not None for plan in each.plans] for each in trials.values()])
-    return np.flatnonzero(found.all(axis=0))
+    return Attempt(plan, time.perf_counter() - begun)
 
 
 def mean_and_std(values: Sequence[float]) -> Tuple[Optional[float], Optional[float]]:
