@@ -14,7 +14,7 @@ from worlds import grid_from_text
 
 from social_fleet.cli.main import main
 from social_fleet.errors import InvalidInput, InvalidParameter
-from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, routes
+from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, fig11, fig15, routes
 from social_fleet.experiments.fig7 import busiest_place, member_counts
 from social_fleet.experiments.frame import Result, World, csv_text, write_result
 from social_fleet.experiments.metrics import heading_change_per_metre, right_distance
@@ -38,6 +38,9 @@ def make_few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fig8, "PATHS", (0, 10))
     monkeypatch.setattr(fig8, "REPEATS", 1)
     monkeypatch.setattr(routes, "LEARNT", 10)
+    monkeypatch.setattr(fig11, "SIZES", (2, 3))
+    monkeypatch.setattr(fig11, "SHOWN", 3)
+    monkeypatch.setattr(fig15, "DRAWS", 3)
     monkeypatch.setattr("social_fleet.planning.planner.RRT_SAMPLES", 300)
 
 
@@ -248,4 +251,4 @@ def test_before_the_first_cell_nothing_is_kept(folder: Path, monkeypatch: pytest
 
     monkeypatch.setattr("social_fleet.experiments.trials.solve", interrupted)
     assert main(["experiment", "fig6", "--map", "ring.yaml", "--trials", "1", "--out", "out"]) == 130
-    assert capsys.readouterr().err.startswith("interrupted: no cell was finished") and not os.path.exists("out")
+    assert capsys.readouterr().err == "interrupted: nothing was finished\n" and not os.path.exists("out")

@@ -1,7 +1,9 @@
 """Run one of the paper's experiments again: NAME.json, NAME.csv and NAME.png, the paper's figures beside ours.
 
 table2: length, right distance and time of A*, RRT* and the social planner. fig6: their paths. fig7: the social graph as
-it grows, and round an obstacle. fig8: planning time on the graph. predictability: entropy of headings per place.
+it grows, and round an obstacle. fig8: planning time on the graph. fig9: four robots of different speeds, coordinated.
+fig11: how much robots get into each other's way. fig14: head-on in a hallway. fig15: robots at an intersection.
+predictability: entropy of headings per place.
 
 What is finished is kept in DIR/NAME.cells: after an interruption the same command goes on where it was.
 """
@@ -25,10 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("name", choices=list(EXPERIMENTS), metavar="NAME", help=", ".join(EXPERIMENTS))
     parser.add_argument("--map", action="append", default=[], metavar="M.yaml",
-                        help="a map of your own beside the paper's environments, for fig6 and fig7 in their stead; "
-                             "may be given several times")
+                        help="a map of your own beside the paper's environments, or in their stead where an experiment "
+                             "draws one map; may be given several times")
     parser.add_argument("--only", action="store_true", help="run on the maps of --map alone")
-    parser.add_argument("--trials", type=count, metavar="N", help="random pairs or paths per map; default: the paper's")
+    parser.add_argument("--trials", type=count, metavar="N",
+                        help="random pairs, paths or fleets; doc/experiments.md says which; default: the paper's")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="same seed, same pairs; default: 0")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the files; created when not there")
 
@@ -41,15 +44,15 @@ def run(args: argparse.Namespace) -> int:
     check_folder(args.name, args.out)
     experiment = experiment_named(args.name)
     worlds = experiment.worlds(args.map, only=args.only)
-    with Cells(args.name, args.out) as cells:
+    with CellBar(args.name, args.out) as bar:
         result = experiment.run(worlds, trials=args.trials or experiment.trials, seed=args.seed, folder=args.out,
-                                progress=cells.tell)
+                                progress=bar.tell)
     paths = write_result(result, args.out)
     show(args, result.to_dict() if args.json else None, [*summary(result.rows), *written(*paths)])
     return 0
 
 
-class Cells(ExitStack):
+class CellBar(ExitStack):
     """A bar that shows how many cells are done and, when they are interrupted, a line that says how to go on."""
 
     def __init__(self, name: str, folder: str) -> None:
@@ -70,8 +73,8 @@ class Cells(ExitStack):
         from social_fleet.experiments.cells import cells_file
         path = cells_file(self._name, self._folder)
         if kind is not None and issubclass(kind, KeyboardInterrupt):
-            kept = f"finished cells are kept in {path}" if os.path.exists(path) else "no cell was finished"
-            print(f"interrupted: {kept}; the same command goes on from there", file=sys.stderr)
+            print("interrupted: " + (f"finished cells are kept in {path}; the same command goes on from there"
+                                     if os.path.exists(path) else "nothing was finished"), file=sys.stderr)
 
 
 def summary(rows: Sequence[Dict[str, Any]]) -> List[str]:
@@ -93,5 +96,10 @@ def _place(key: str, order: Sequence[str]) -> int:
 def _cell(row: Dict[str, Any], key: str) -> str:
     value: Optional[Any] = row[key]
     spread = row.get(key[:-len("_mean")] + "_std") if key.endswith("_mean") else None
-    text = "-" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
-    return text if spread is None else f"{text} ± {spread:.3g}"
+    text = "-" if value is None else _number(value) if isinstance(value, float) else str(value)
+    return text if spread is None else f"{text} ± {_number(spread)}"
+
+
+def _number(value: float) -> str:
+    """Three digits, or all before the point."""
+    return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"

@@ -40,8 +40,17 @@ def read_schedule(path: PathLike) -> FleetSchedule:
     InvalidSchedule
         Naming file and field, when something is missing, of the wrong type, or does not fit together.
     """
-    source = str(path)
-    data = read_json(path, InvalidSchedule)
+    return schedule_from_dict(read_json(path, InvalidSchedule), source=str(path))
+
+
+def schedule_from_dict(data: Any, *, source: str = "") -> FleetSchedule:
+    """The fleet of `schedule_to_dict`'s values; `source` names where they come from.
+
+    Raises
+    ------
+    InvalidSchedule
+        As for `read_schedule`.
+    """
     _get({"file": data}, "file", dict, source)
     robots = _get(data, "robots", list, source)
     if not robots:

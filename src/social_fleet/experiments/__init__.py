@@ -14,6 +14,10 @@ EXPERIMENTS = {
     "fig6": ("fig6", "Figure6"),
     "fig7": ("fig7", "Figure7"),
     "fig8": ("fig8", "Figure8"),
+    "fig9": ("fig9", "Figure9"),
+    "fig11": ("fig11", "Figure11"),
+    "fig14": ("fig14", "Figure14"),
+    "fig15": ("fig15", "Figure15"),
     "predictability": ("routes", "PredictabilityOfRoutes"),
 }
 

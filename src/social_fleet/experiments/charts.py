@@ -1,7 +1,7 @@
 """Charts of experiments: bars in groups, and what stands below a picture."""
 
 import textwrap
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from social_fleet.scenario.pictures.colours import FAINT, INK
-from social_fleet.scenario.pictures.style import add_axes, new_figure
+from social_fleet.scenario.pictures.style import add_axes, inches, new_figure
 
 PANEL = 3.6  # least width of a panel [inch]
 BAR = 0.28  # width of a bar that has room for its value [inch]
@@ -96,8 +96,24 @@ def add_title(figure: Figure, text: str) -> None:
     figure.text(0.25 / figure.get_size_inches()[0], 1.0, text, fontsize=12, color=INK, va="bottom")
 
 
-def add_caption(figure: Figure, text: str) -> None:
-    """Sentences below all panels, in lines as long as the figure is wide."""
+def label_ends(axes: Axes, ends: Sequence[Tuple[str, str, float, float]]) -> None:
+    """Write at the ends of lines what they are, one above the other where they meet.
+
+    Parameters
+    ----------
+    ends : sequence of (text, colour, x, y)
+        The end of each line, in data coordinates; y linear.
+    """
+    gap = 0.2 / inches(axes)[1] * (axes.get_ylim()[1] - axes.get_ylim()[0])
+    level = -np.inf
+    for text, colour, x, y in sorted(ends, key=lambda end: end[3]):
+        level = max(y, level + gap)
+        axes.annotate(text, (x, level), xytext=(5, 0), textcoords="offset points", fontsize=9, fontweight="bold",
+                      color=colour, va="center", annotation_clip=False)
+
+
+def add_caption(figure: Figure, text: str, *, below: float = 0.0) -> None:
+    """Sentences below all panels, in lines as long as the figure is wide; `below` [inch] its lower edge."""
     width, height = figure.get_size_inches()
     lines = textwrap.fill(text, max(int(LETTERS_PER_INCH * (width - 0.5)), 40))
-    figure.text(0.25 / width, 0.05 / height, lines, fontsize=8, color=INK, va="top", linespacing=1.35)
+    figure.text(0.25 / width, (0.05 - below) / height, lines, fontsize=8, color=INK, va="top", linespacing=1.35)

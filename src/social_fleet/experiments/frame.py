@@ -38,6 +38,10 @@ class World:
         """A map that comes with the package, such as ``environment_1``."""
         return cls.from_file(os.path.join(package_folder(), "maps", f"{name}.yaml"))
 
+    def is_package(self, name: str) -> bool:
+        """Whether it is that map of the package."""
+        return self.grid == World.of_package(name).grid
+
 
 @dataclass(frozen=True)
 class Result:

@@ -1,5 +1,7 @@
 """Everything about a schedule on one sheet: the map, and the space-time diagram beside or below it."""
 
+from matplotlib.figure import Figure
+
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.files import PathLike
 from social_fleet.mapping.grid import OccupancyGrid
@@ -23,6 +25,11 @@ def schedule_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, 
     InvalidInput
         When the file cannot be created.
     """
+    save_figure(schedule_figure(grid, fleet, title=title), path, dpi=110)
+
+
+def schedule_figure(grid: OccupancyGrid, fleet: FleetSchedule, *, title: str = "") -> Figure:
+    """What `schedule_picture` writes."""
     box = content_box(grid, path_points(fleet))
     shape = (box[2] - box[0]) / (box[3] - box[1])
     if shape > LONG:
@@ -43,4 +50,4 @@ def schedule_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, 
     heading = f"{len(fleet.schedules)} robots, all there after {fleet.makespan:.0f} s"
     figure.text(0.25 / figure.get_figwidth(), 1.0 - 0.2 / figure.get_figheight(), f"{title}: {heading}" if title else
                 heading, fontsize=14, color=INK, ha="left", va="top")
-    save_figure(figure, path, dpi=110)
+    return figure
