@@ -1,4 +1,4 @@
-"""What both planners of fleets keep to, on worlds that a reader checks by hand; every schedule is judged by `verify`."""
+"""What both planners of fleets keep to, on worlds that a reader checks by hand; `verify` judges every schedule."""
 
 import math
 from typing import Any, List, Type

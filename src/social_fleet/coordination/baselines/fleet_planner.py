@@ -11,7 +11,7 @@ from social_fleet.coordination.baselines.deadline import Deadline
 from social_fleet.coordination.baselines.roadmap import Roadmap
 from social_fleet.coordination.baselines.sipp import NO_RULES, Rules, earliest_arrival
 from social_fleet.coordination.baselines.traffic import (
-    BEGIN, EDGE, END, MARGIN, NODE, VX, WAIT, X, Y, Traffic, Trajectory, traffic_of)
+    BEGIN, EDGE, END, MARGIN, NODE, VX, WAIT, X, Traffic, Trajectory, traffic_of)
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.errors import InvalidParameter, InvalidPose, InvalidScenario, NoPath

@@ -233,5 +233,5 @@ def _distances(first: np.ndarray, target: np.ndarray, length: np.ndarray, goal: 
             other, total = target[edge], reached + length[edge]
             if total < distance[other]:
                 distance[other] = total
-                heapq.heappush(queue, (total, np.int64(other)))
+                heapq.heappush(queue, (total, int(other)))
     return distance
