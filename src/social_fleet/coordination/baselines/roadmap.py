@@ -216,7 +216,7 @@ def _joined(graph: Graph, points: np.ndarray, links: _Links) -> Graph:
     first = np.zeros(count + 1, dtype=np.int64)
     first[1:] = np.cumsum(np.bincount(tails, minlength=count))
     return Graph(np.concatenate([graph.x, points[:, 0]]), np.concatenate([graph.y, points[:, 1]]), first,
-                 targets[order].astype(np.int32), lengths[order])
+                 targets[order].astype(np.int64), lengths[order])
 
 
 @njit(cache=True, nogil=True)
@@ -233,5 +233,5 @@ def _distances(first: np.ndarray, target: np.ndarray, length: np.ndarray, goal: 
             other, total = target[edge], reached + length[edge]
             if total < distance[other]:
                 distance[other] = total
-                heapq.heappush(queue, (total, int(other)))
+                heapq.heappush(queue, (total, other))
     return distance

@@ -104,7 +104,7 @@ def earliest_arrival(graph: Graph, distances: np.ndarray, start: int, goal: int,
         node, ready = node_of[state], arrival[state]
         bin_ = bin_of(frame, xs[node], ys[node])
         for edge in range(first[node], first[node + 1]):
-            other = np.int64(target[edge])
+            other = target[edge]
             if opened[other, 0] < 0:
                 opened[other, 0] = len(node_of)
                 _open(states, other, xs[other], ys[other], radius, robot, bin_of(frame, xs[other], ys[other]), pieces,
