@@ -3,7 +3,7 @@
 import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -77,6 +77,7 @@ class Ground:
         Of whose paths only the ends count.
     coarsening : int
         Cells along the edge of a roadmap's block.
+    deadline : Deadline
 
     Raises
     ------
@@ -86,18 +87,21 @@ class Ground:
         When there is no robot, two have one name, or their starts or goals touch.
     NoPath
         When no way joins a start to its goal.
+    TimedOut
     """
 
-    def __init__(self, grid: OccupancyGrid, robots: Sequence[Robot], coarsening: int) -> None:
+    def __init__(self, grid: OccupancyGrid, robots: Sequence[Robot], coarsening: int, deadline: Deadline) -> None:
         _check(robots)
         self.robots = list(robots)
         self.extent = grid.size
-        self.travellers: List[Traveller] = [None] * len(robots)  # type: ignore[list-item]
+        placed: Dict[int, Traveller] = {}
         for radius in sorted({robot.body_radius for robot in robots}):
-            self._place(grid, radius, coarsening)
+            placed.update(self._placed(grid, radius, coarsening))
+        self.travellers = [placed[index] for index in range(len(robots))]
         self.reach = max(float(traveller.roadmap.graph.length.max(initial=0.1)) for traveller in self.travellers)
         self.radius = max(robot.body_radius for robot in robots)
         for robot, traveller in zip(robots, self.travellers):
+            deadline.check(f"a fleet of {len(robots)} robots")
             if not np.isfinite(traveller.shortest):
                 raise NoPath(f"robot {robot.name}: no way for a disc of radius {robot.body_radius:g} m leads from "
                              f"({robot.start.x:.2f}, {robot.start.y:.2f}) to ({robot.goal.x:.2f}, {robot.goal.y:.2f}) "
@@ -112,8 +116,8 @@ class Ground:
         return tuple(_schedule(robot, traveller.roadmap, trajectory)
                      for robot, traveller, trajectory in zip(self.robots, self.travellers, trajectories))
 
-    def _place(self, grid: OccupancyGrid, radius: float, coarsening: int) -> None:
-        """The travellers of one radius, on a roadmap of theirs."""
+    def _placed(self, grid: OccupancyGrid, radius: float, coarsening: int) -> Iterator[Tuple[int, Traveller]]:
+        """The travellers of one radius by index, on a roadmap of theirs."""
         space = ConfigurationSpace(grid, radius, limit=radius)
         chosen = [index for index, robot in enumerate(self.robots) if robot.body_radius == radius]
         points = []
@@ -128,7 +132,7 @@ class Ground:
         roadmap = Roadmap(grid, radius, coarsening, np.array(points))
         for index, (start, goal) in zip(chosen, roadmap.terminals.reshape(-1, 2)):
             robot = self.robots[index]
-            self.travellers[index] = Traveller(index, roadmap, int(start), int(goal), robot.max_speed, robot.depart)
+            yield index, Traveller(index, roadmap, int(start), int(goal), robot.max_speed, robot.depart)
 
 
 class FleetPlanner(ABC):
@@ -185,9 +189,8 @@ class FleetPlanner(ABC):
         """
         begun = time.perf_counter()
         with Deadline(time_limit) as deadline:
-            ground = Ground(grid, robots, self.coarsening)
+            ground = Ground(grid, robots, self.coarsening, deadline)
             ready = time.perf_counter()
-            deadline.check(f"{self.name} of {len(robots)} robots")
             trajectories, gap = self._solve(ground, deadline)
         schedules = ground.schedules(trajectories)
         return FleetSchedule(schedules, (), self.name, objective=sum(schedule.arrival_time for schedule in schedules),
