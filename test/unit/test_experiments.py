@@ -14,7 +14,7 @@ from worlds import grid_from_text
 
 from social_fleet.cli.main import main
 from social_fleet.errors import InvalidInput, InvalidParameter
-from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, fig11, fig12, fig15, routes, table3
+from social_fleet.experiments import EXPERIMENTS, experiment_named, fig8, fig10, fig11, fig12, fig15, routes, table3
 from social_fleet.experiments.fig7 import busiest_place, member_counts
 from social_fleet.experiments.frame import Result, World, csv_text, write_result
 from social_fleet.experiments.metrics import heading_change_per_metre, right_distance
@@ -38,6 +38,7 @@ def make_few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fig8, "PATHS", (0, 10))
     monkeypatch.setattr(fig8, "REPEATS", 1)
     monkeypatch.setattr(routes, "LEARNT", 10)
+    monkeypatch.setattr(fig10, "SIZES", (2, 3))
     monkeypatch.setattr(fig11, "SIZES", (2, 3))
     monkeypatch.setattr(fig11, "SHOWN", 3)
     monkeypatch.setattr(fig15, "DRAWS", 3)
@@ -199,6 +200,8 @@ def test_on_the_command_line(folder: Path, capsys: pytest.CaptureFixture) -> Non
     (["fig6", "--seed", "-1", "--out", "out"], "error: command line: --seed: must be a whole number from 0 on"),
     (["fig6", "--map", "missing.yaml", "--out", "out"], "error: missing.yaml: there is no such file"),
     (["fig6", "--only", "--out", "out"], "error: --only: leaves no map to run on"),
+    (["fig6", "--limit", "5", "--out", "out"], "error: --limit: fig6 has no limit for its solves"),
+    (["fig10", "--limit", "0", "--out", "out"], "error: command line: --limit: must be a positive number, not '0'"),
     (["fig6", "--out", "file"], "error: file: is a file; name a folder"),
     (["fig6", "--out", "no/such/folder"], "error: "),
 ])

@@ -2,9 +2,9 @@
 
 table2: length, right distance and time of A*, RRT* and the social planner. fig6: their paths. fig7: the social graph as
 it grows, and round an obstacle. fig8: planning time on the graph. fig9: four robots of different speeds, coordinated.
-fig11: how much robots get into each other's way. fig12, table3: encounter windows searched by one robot, and by the
-fleet in shares. fig14: head-on in a hallway. fig15: robots at an intersection. predictability: entropy of headings per
-place.
+fig10: whole fleets by our coordination, conflict-based search and prioritized planning. fig11: how much robots get into
+each other's way. fig12, table3: encounter windows searched by one robot, and by the fleet in shares. fig14: head-on in
+a hallway. fig15: robots at an intersection. predictability: entropy of headings per place.
 
 What is finished is kept in DIR/NAME.cells: after an interruption the same command goes on where it was.
 """
@@ -15,9 +15,10 @@ import sys
 from contextlib import ExitStack
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
-from social_fleet.cli.arguments import count, seed
+from social_fleet.cli.arguments import count, positive, seed
 from social_fleet.cli.output import show, table, written
 from social_fleet.cli.progress import progress
+from social_fleet.errors import InvalidInput
 from social_fleet.experiments import EXPERIMENTS
 
 SUMMARY = "run one of the paper's experiments again"
@@ -34,6 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trials", type=count, metavar="N",
                         help="random pairs, paths or fleets; doc/experiments.md says which; default: the paper's")
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="same seed, same pairs; default: 0")
+    parser.add_argument("--limit", type=positive, metavar="S",
+                        help="wall time for one solve in seconds, where there is a limit; default: the paper's")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the files; created when not there")
 
 
@@ -44,6 +47,10 @@ def run(args: argparse.Namespace) -> int:
 
     check_folder(args.name, args.out)
     experiment = experiment_named(args.name)
+    if args.limit is not None:
+        if experiment.limit is None:
+            raise InvalidInput(f"{args.name} has no limit for its solves", field="--limit")
+        experiment.limit = args.limit
     worlds = experiment.worlds(args.map, only=args.only)
     with CellBar(args.name, args.out) as bar:
         result = experiment.run(worlds, trials=args.trials or experiment.trials, seed=args.seed, folder=args.out,

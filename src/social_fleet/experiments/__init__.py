@@ -15,6 +15,7 @@ EXPERIMENTS = {
     "fig7": ("fig7", "Figure7"),
     "fig8": ("fig8", "Figure8"),
     "fig9": ("fig9", "Figure9"),
+    "fig10": ("fig10", "Figure10"),
     "fig11": ("fig11", "Figure11"),
     "fig14": ("fig14", "Figure14"),
     "fig15": ("fig15", "Figure15"),

@@ -59,10 +59,20 @@ class Work:
         self._file = None if folder is None else cells_file(name, folder)
         self._code = [name, code_of(module)]
 
-    def values(self, cells: Sequence[Cell]) -> List[Any]:
+    def values(self, cells: Sequence[Cell], *, before: int = 0, total: Optional[int] = None) -> List[Any]:
         """The values of all `cells`, in their order: those on disk, the others worked out one after the other.
 
-        A value comes back as JSON holds it, whether it was on disk or not: tuples are lists, NaN is None.
+        Parameters
+        ----------
+        cells : sequence of Cell
+            What is to be done; all there is, or, when the next cells depend on these, a part.
+        before, total : int
+            Of a part: cells done before it, and in all.
+
+        Returns
+        -------
+        list
+            As JSON holds values, whether they were on disk or not: tuples are lists, NaN is None.
 
         Raises
         ------
@@ -73,8 +83,9 @@ class Work:
         wanted = set(digests)
         known = {} if self._file is None else {digest: value for digest, value in finished(self._file)
                                                if digest in wanted}
-        done = sum(digest in known for digest in digests)
-        self.progress(done, len(cells))
+        done = before + sum(digest in known for digest in digests)
+        total = len(cells) if total is None else total
+        self.progress(done, total)
         for digest, cell in zip(digests, cells):
             if digest not in known:
                 value = json.loads(json.dumps(plain(cell.compute()), allow_nan=False))
@@ -82,7 +93,7 @@ class Work:
                     _keep(self._file, {"cell": digest, "key": plain(cell.key), "value": value})
                 known[digest] = value
                 done += 1
-                self.progress(done, len(cells))
+                self.progress(done, total)
         return [known[digest] for digest in digests]
 
 

@@ -89,12 +89,15 @@ class Experiment(ABC):
         Maps of the package that it runs on.
     adds_maps : bool
         Whether the user's maps come beside these, or in their stead.
+    limit : float, optional
+        Wall time that a method has for one solve [s], unless the user says otherwise; None where there is no limit.
     """
 
     name: str
     trials: int
     maps: Tuple[str, ...]
     adds_maps = True
+    limit: Optional[float] = None
 
     def worlds(self, own: Sequence[PathLike] = (), *, only: bool = False) -> List[World]:
         """The maps to run on.
