@@ -7,9 +7,12 @@ from typing import Any, Dict, List
 from social_fleet.cli.arguments import check_outputs, positive
 from social_fleet.cli.output import show, table, written
 from social_fleet.cli.progress import progress
+from social_fleet.errors import Infeasible, NoPath, SolverFailed, TimedOut
 
 SUMMARY = "schedule the fleet of a scenario file"
 EXAMPLE = "social_fleet coordinate config/scenarios/figure_9.yaml --out schedule.json --plot schedule.png"
+
+_STATUS = {NoPath: "no_path_found", Infeasible: "infeasible", TimedOut: "timed_out", SolverFailed: "solver_failed"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mode", choices=("simultaneous", "sequential", "unified"), help="overrides the file's")
     parser.add_argument("--formulation", choices=("exact", "paper"),
                         help="exact never lets two robots touch; paper is Eq. 5-8 as printed")
+    parser.add_argument("--objective", choices=("sum_of_completion", "makespan"), help="overrides the file's")
+    parser.add_argument("--partial", action="store_true",
+                        help="where not all can be served, name those left out and schedule the rest")
     parser.add_argument("--time-limit", type=positive, metavar="S", help="of the solver [s]")
     parser.add_argument("--out", metavar="schedule.json", help="write the schedule")
     parser.add_argument("--plot", metavar="schedule.png", help="draw paths, encounters and the space-time diagram")
@@ -32,11 +38,17 @@ def run(args: argparse.Namespace) -> int:
 
     scenario = load_scenario(args.scenario)
     given = {name: value for name, value in (("mode", args.mode), ("formulation", args.formulation),
-                                             ("time_limit", args.time_limit)) if value is not None}
+                                             ("objective", args.objective), ("time_limit", args.time_limit)) if value is not None}
     scenario = replace(scenario, coordination=replace(scenario.coordination, **given))
     grid = load_map(scenario.map_path)
-    with progress(len(scenario.robots), "planning", "robots") as update:
-        fleet = coordinate_scenario(scenario, grid, progress=update)
+    try:
+        with progress(len(scenario.robots), "planning", "robots") as update:
+            fleet = coordinate_scenario(scenario, grid, partial=args.partial, progress=update)
+    except (NoPath, Infeasible, TimedOut, SolverFailed) as error:
+        if not args.json:
+            raise
+        show(args, {"map": scenario.map, "status": _STATUS[type(error)], "message": str(error), "robots": []}, [])
+        return 1
     if args.out:
         from social_fleet.coordination.files import write_schedule
         write_schedule(fleet, args.out)
@@ -44,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
         from social_fleet.scenario.pictures.schedule_picture import schedule_picture
         schedule_picture(grid, fleet, args.plot, title=scenario.name)
     show(args, _as_json(fleet) if args.json else None, [*summary(fleet), *written(args.out, args.plot)])
-    return 0
+    return 1 if fleet.unserved else 0
 
 
 def _as_json(fleet: Any) -> Dict[str, Any]:
@@ -66,4 +78,5 @@ def summary(fleet: Any) -> List[str]:
                  f"gap {100.0 * fleet.gap:.2g} %; encounters: {meetings or 'none'}")
     lines.append(f"planning {fleet.planning_time:.2f} s, encounters {fleet.encounter_time:.3f} s, "
                  f"program {fleet.solve_time:.3f} s ({fleet.formulation} formulation)")
+    lines += [f"left out: {name}: {reason}" for name, reason in fleet.unserved]
     return lines + ([fleet.message] if fleet.message else [])

@@ -18,7 +18,8 @@ def schedule_to_dict(fleet: FleetSchedule) -> Dict[str, Any]:
         "map", "status", "message", "formulation", "objective", "gap", "planning_time", "encounter_time",
         "solve_time")}
     return {**header, "robots": [_robot_to_dict(schedule) for schedule in fleet.schedules],
-            "windows": [vars(window) for window in fleet.windows]}
+            "windows": [vars(window) for window in fleet.windows],
+            "unserved": [{"name": name, "reason": reason} for name, reason in fleet.unserved]}
 
 
 def write_schedule(fleet: FleetSchedule, path: PathLike) -> None:
@@ -62,11 +63,14 @@ def schedule_from_dict(data: Any, *, source: str = "") -> FleetSchedule:
             raise InvalidSchedule(f"two robots are named {name}; names must differ", source=source, field="robots")
     windows = tuple(_window_from_dict(item, source, f"windows[{index}]")
                     for index, item in enumerate(_get(data, "windows", list, source, default=[])))
+    unserved = tuple((_get(item, "name", str, source, f"unserved[{index}]"),
+                      _get(item, "reason", str, source, f"unserved[{index}]"))
+                     for index, item in enumerate(_get(data, "unserved", list, source, default=[])))
     numbers = {name: float(_get(data, name, _NUMBER, source, default=0.0))
                for name in ("objective", "gap", "planning_time", "encounter_time", "solve_time")}
     texts = {name: _get(data, name, str, source, default=default)
              for name, default in (("status", "ok"), ("message", ""), ("formulation", "exact"))}
-    return FleetSchedule(schedules, windows, map=data.get("map"), **texts, **numbers)  # type: ignore[arg-type]
+    return FleetSchedule(schedules, windows, map=data.get("map"), unserved=unserved, **texts, **numbers)  # type: ignore[arg-type]
 
 
 def _robot_to_dict(schedule: Schedule) -> Dict[str, Any]:

@@ -15,6 +15,7 @@ from social_fleet.simulation.faults import FAULT_KINDS, CircleObstacle, Fault
 
 MODES = ("simultaneous", "sequential", "unified")
 FORMULATIONS = ("exact", "paper")
+OBJECTIVES = ("sum_of_completion", "makespan")
 
 
 def load_scenario(path: PathLike) -> Scenario:
@@ -94,6 +95,7 @@ def _robot(fields: Fields) -> RobotSpec:
         name=fields.text("name"), start=fields.numbers("start", pose, optional=1),
         goal=fields.numbers("goal", pose, optional=1), max_speed=fields.number("max_speed", 0.7, above=0.0),
         radius=fields.number("radius", 0.25, above=0.0), depart=fields.number("depart", 0.0, least=0.0),
+        weight=fields.number("weight", 1.0, above=0.0),
         **{name: fields.number(name, None, above=0.0)
            for name in ("max_acceleration", "max_turn_rate", "max_turn_acceleration")})
     fields.finish()
@@ -138,6 +140,7 @@ def _coordination(fields: Fields) -> Coordination:
     coordination = Coordination(
         mode=fields.choice("mode", MODES, default.mode),
         formulation=fields.choice("formulation", FORMULATIONS, default.formulation),
+        objective=fields.choice("objective", OBJECTIVES, default.objective),
         time_margin=fields.number("time_margin", default.time_margin, least=0.0),
         time_limit=fields.number("time_limit", default.time_limit, above=0.0),
         tracking_tolerance=fields.number("tracking_tolerance", default.tracking_tolerance, least=0.0))

@@ -58,7 +58,8 @@ class FleetPlanner:
         """`spec` with its path; raises InvalidStart, InvalidGoal or NoPath."""
         plan = self.for_radius(spec.radius).plan(spec.start, spec.goal, planner=self._planner)
         limits = {name: getattr(spec, name) for name in _LIMITS if getattr(spec, name) is not None}
-        return Robot(spec.name, plan, max_speed=spec.max_speed, radius=spec.radius, depart=spec.depart, **limits)
+        return Robot(spec.name, plan, max_speed=spec.max_speed, radius=spec.radius, depart=spec.depart,
+                     weight=spec.weight, **limits)
 
 
 def plan_fleet(scenario: Scenario, grid: OccupancyGrid, *, planners: Optional[FleetPlanner] = None,
@@ -97,8 +98,10 @@ def plan_fleet(scenario: Scenario, grid: OccupancyGrid, *, planners: Optional[Fl
 
 def coordinate_scenario(scenario: Scenario, grid: Optional[OccupancyGrid] = None, *,
                         planners: Optional[FleetPlanner] = None,
-                        progress: Optional[Callable[[int], None]] = None) -> FleetSchedule:
+                        partial: bool = False, progress: Optional[Callable[[int], None]] = None) -> FleetSchedule:
     """Plan and coordinate the fleet of `scenario`; robots that no schedule fits are led round the contested place.
+
+    With `partial`, those that cannot be served are left out: see `FleetSchedule.unserved`.
 
     Raises
     ------
@@ -113,7 +116,8 @@ def coordinate_scenario(scenario: Scenario, grid: Optional[OccupancyGrid] = None
     robots = plan_fleet(scenario, grid, planners=planners, progress=progress)
     planning_time = time.perf_counter() - begun
     options = scenario.coordination
-    fleet = coordinate(robots, mode=options.mode, formulation=options.formulation, time_margin=options.time_margin,
+    fleet = coordinate(robots, mode=options.mode, formulation=options.formulation, objective=options.objective,
+                       partial=partial, time_margin=options.time_margin,
                        tracking_tolerance=options.tracking_tolerance, time_limit=options.time_limit,
                        replanner=PlannerReplanner(planners.for_radius))
     map_name = scenario.map if scenario.map.startswith(PACKAGE) else scenario.map_path

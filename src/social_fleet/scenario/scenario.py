@@ -21,6 +21,8 @@ class RobotSpec:
         [m/s], [m].
     depart : float
         Earliest time of motion [s].
+    weight : float
+        Priority: what a second of its delay costs, against 1 for others.
     max_acceleration, max_turn_rate, max_turn_acceleration : float, optional
         [m/s^2], [rad/s], [rad/s^2]; None for the defaults of `Robot`.
     """
@@ -31,6 +33,7 @@ class RobotSpec:
     max_speed: float = 0.7
     radius: float = 0.25
     depart: float = 0.0
+    weight: float = 1.0
     max_acceleration: Optional[float] = None
     max_turn_rate: Optional[float] = None
     max_turn_acceleration: Optional[float] = None
@@ -42,6 +45,7 @@ class Coordination:
 
     mode: str = "simultaneous"
     formulation: str = "exact"
+    objective: str = "sum_of_completion"
     time_margin: float = 1.0
     time_limit: float = 30.0
     tracking_tolerance: float = 0.1
