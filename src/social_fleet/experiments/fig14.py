@@ -124,7 +124,7 @@ def _draw(world: World, shown: Sequence[Tuple[Case, Dict[str, Outcome]]], captio
             axes.set_title(f"({letter}) {case.name}, {PLANNERS[method]}: {story(outcome)}", fontsize=10, color=INK,
                            loc="left")
     add_title(figure, f"Figure 14: head-on in a hallway of {world.name.replace('_', ' ')}")
-    add_caption(figure, caption)
+    add_caption(figure, caption, below=0.2)
     return figure
 
 

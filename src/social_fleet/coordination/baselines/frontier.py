@@ -43,7 +43,7 @@ class Frontier(Generic[Item]):
         heapq.heappush(self._far, (bound, rank, serial))
 
     def pop(self) -> Item:
-        """Take the item of the lowest rank among those near the least bound; of equals the latest, to get to the bottom."""
+        """Take the item of the lowest rank among those near the least bound; of equals the latest, to get deep."""
         limit = self.bound * self._factor + self._equal
         while self._far and self._far[0][0] <= limit:
             _, rank, serial = heapq.heappop(self._far)
