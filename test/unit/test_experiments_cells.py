@@ -137,3 +137,26 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     (tmp_path / "x.cells").mkdir()
     with pytest.raises(InvalidInput, match="x.cells: a finished cell could not be written: Is a directory"):
         module._keep(cells_file("x", tmp_path), {"cell": "", "value": 1})
+
+
+def test_ctrl_c_within_compiled_code_is_an_interruption() -> None:
+    def struck() -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise SystemError("returned a result with an exception set") from error
+
+    def broken() -> None:
+        raise SystemError("something else")
+
+    with pytest.raises(KeyboardInterrupt):
+        Work("cells", __name__).values([Cell({"k": 0}, struck)])
+    with pytest.raises(SystemError, match="something else"):
+        Work("cells", __name__).values([Cell({"k": 1}, broken)])
+
+
+def test_of_a_part_of_the_cells_the_progress_is_that_of_all() -> None:
+    told: List[Any] = []
+    work = Work("cells", __name__, progress=lambda done, total: told.append((done, total)))
+    assert work.values([Cell({"k": 2}, lambda: 5)], before=3, total=6) == [5]
+    assert told == [(3, 6), (4, 6)]

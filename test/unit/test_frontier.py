@@ -15,6 +15,13 @@ def test_without_leeway_the_least_bound_comes_first_and_of_equals_the_lowest_ran
     assert not frontier
 
 
+def test_of_equals_the_latest_comes_first() -> None:
+    frontier: Frontier[str] = Frontier(1.0, 0.0)
+    for item in ("early", "late"):
+        frontier.push(item, 1.0, 2)
+    assert frontier.pop() == "late"
+
+
 def test_with_leeway_the_lowest_rank_comes_first_among_the_nearly_best() -> None:
     frontier: Frontier[str] = Frontier(1.5, 0.0)
     for item, bound, rank in (("far", 16.0, 0), ("near", 14.0, 1), ("best", 10.0, 9)):

@@ -1,4 +1,4 @@
-"""One robot's search: rules, arrival windows, soft traffic, and the stop; and the bins in which it looks for traffic."""
+"""One robot's search: rules, arrival windows, soft traffic, the stop; and the bins in which it looks for traffic."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,8 @@ def traveller(grid: object, *places: object, index: int = 0) -> Traveller:
 
 
 def rules(edges: object = (), nodes: object = (), window: object = (-np.inf, np.inf)) -> Rules:
-    return Rules(*(np.array(rule, dtype=float).reshape(-1, 3) for rule in (edges, nodes)), np.array(window, dtype=float))
+    forbidden = [np.array(rule, dtype=float).reshape(-1, 3) for rule in (edges, nodes)]
+    return Rules(forbidden[0], forbidden[1], np.array(window, dtype=float))
 
 
 def edge_between(robot: Traveller, tail: int, head: int) -> int:

@@ -37,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from social_fleet.scenario.fleet import coordinate_scenario
 
     scenario = load_scenario(args.scenario)
-    given = {name: value for name, value in (("mode", args.mode), ("formulation", args.formulation),
-                                             ("objective", args.objective), ("time_limit", args.time_limit)) if value is not None}
+    options = {name: getattr(args, name) for name in ("mode", "formulation", "objective", "time_limit")}
+    given = {name: value for name, value in options.items() if value is not None}
     scenario = replace(scenario, coordination=replace(scenario.coordination, **given))
     grid = load_map(scenario.map_path)
     try:

@@ -70,7 +70,8 @@ def schedule_from_dict(data: Any, *, source: str = "") -> FleetSchedule:
                for name in ("objective", "gap", "planning_time", "encounter_time", "solve_time")}
     texts = {name: _get(data, name, str, source, default=default)
              for name, default in (("status", "ok"), ("message", ""), ("formulation", "exact"))}
-    return FleetSchedule(schedules, windows, map=data.get("map"), unserved=unserved, **texts, **numbers)  # type: ignore[arg-type]
+    return FleetSchedule(schedules, windows, map=data.get("map"), unserved=unserved,
+                         **texts, **numbers)  # type: ignore[arg-type]
 
 
 def _robot_to_dict(schedule: Schedule) -> Dict[str, Any]:

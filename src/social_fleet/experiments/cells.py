@@ -88,13 +88,26 @@ class Work:
         self.progress(done, total)
         for digest, cell in zip(digests, cells):
             if digest not in known:
-                value = json.loads(json.dumps(plain(cell.compute()), allow_nan=False))
+                value = json.loads(json.dumps(plain(_computed(cell)), allow_nan=False))
                 if self._file is not None:
                     _keep(self._file, {"cell": digest, "key": plain(cell.key), "value": value})
                 known[digest] = value
                 done += 1
                 self.progress(done, total)
         return [known[digest] for digest in digests]
+
+
+def _computed(cell: Cell) -> Any:
+    """A cell's value. Ctrl-C that strikes while a compiled function hands out its arrays comes as a SystemError."""
+    try:
+        return cell.compute()
+    except SystemError as error:
+        cause: Optional[BaseException] = error
+        while cause is not None and not isinstance(cause, KeyboardInterrupt):
+            cause = cause.__cause__ or cause.__context__
+        if cause is not None:
+            raise KeyboardInterrupt from error
+        raise
 
 
 def cells_file(name: str, folder: PathLike) -> str:

@@ -23,7 +23,7 @@ class Frontier(Generic[Item]):
         self._items: Dict[int, Item] = {}
         self._bounds: List[Tuple[float, int]] = []  # of all items, and of some that have gone
         self._far: List[Tuple[float, int, int]] = []  # bound, rank, serial
-        self._near: List[Tuple[int, float, int]] = []  # rank, bound, serial
+        self._near: List[Tuple[int, int]] = []  # rank, minus serial
 
     def __bool__(self) -> bool:
         return bool(self._items)
@@ -43,9 +43,9 @@ class Frontier(Generic[Item]):
         heapq.heappush(self._far, (bound, rank, serial))
 
     def pop(self) -> Item:
-        """Take the item of the lowest rank, of equals that with the least bound, among those near the least bound."""
+        """Take the item of the lowest rank among those near the least bound; of equals the latest, to get deep."""
         limit = self.bound * self._factor + self._equal
         while self._far and self._far[0][0] <= limit:
-            bound, rank, serial = heapq.heappop(self._far)
-            heapq.heappush(self._near, (rank, bound, serial))
-        return self._items.pop(heapq.heappop(self._near)[2])
+            _, rank, serial = heapq.heappop(self._far)
+            heapq.heappush(self._near, (rank, -serial))
+        return self._items.pop(-heapq.heappop(self._near)[1])
