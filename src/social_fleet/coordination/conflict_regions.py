@@ -70,14 +70,19 @@ def close_runs(r_tails, r_heads, r_middles,  # type: ignore[no-untyped-def]
     runs = np.empty((64, 3), np.int64)
     count = 0
     near = np.empty(len(s_middles), np.int64)
+    surely_not, surely = (distance + _LONGEST) ** 2, max(distance - _LONGEST, 0.0) ** 2
     low = 0
     while low < len(r_middles):
         high = min(low + _STRETCH, len(r_middles))
         found, spare = _near_links(r_middles, low, high, s_middles, distance, near)
         for i in range(low, high if found else low):
+            x, y = r_middles[i, 0], r_middles[i, 1]
             for place in range(found):
                 j = near[place]
-                if not _conflict(r_tails, r_heads, r_middles, i, s_tails, s_heads, s_middles, j, distance):
+                # How far the middles are apart is mostly enough to tell.
+                square = (x - s_middles[j, 0]) ** 2 + (y - s_middles[j, 1]) ** 2
+                if square >= surely_not or (square >= surely and _squared_gap(
+                        r_tails[i], r_heads[i], s_tails[j], s_heads[j]) >= distance * distance):
                     continue
                 if count and runs[count - 1, 0] == i and runs[count - 1, 2] == j - 1:
                     runs[count - 1, 2] = j
@@ -114,17 +119,6 @@ def _near_links(r_middles, low, high, s_middles, distance, near):  # type: ignor
             spare = min(spare, 0.5 * beyond)
             j += 1 + int(0.5 * beyond / _LONGEST)
     return found, spare
-
-
-@njit(cache=True)
-def _conflict(r_tails, r_heads, r_middles, i, s_tails, s_heads, s_middles, j, distance):  # type: ignore[no-untyped-def]
-    """Whether two links come closer than `distance`; their middles alone mostly tell."""
-    square = (r_middles[i, 0] - s_middles[j, 0]) ** 2 + (r_middles[i, 1] - s_middles[j, 1]) ** 2
-    if square >= (distance + _LONGEST) ** 2:
-        return False
-    if distance > _LONGEST and square < (distance - _LONGEST) ** 2:
-        return True
-    return _squared_gap(r_tails[i], r_heads[i], s_tails[j], s_heads[j]) < distance * distance
 
 
 @njit(cache=True)

@@ -11,13 +11,14 @@ import logging
 import math
 import time
 from dataclasses import dataclass
-from typing import List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from social_fleet.coordination.encounters import Encounter, Order
 from social_fleet.coordination.event_graph import EventGraph, Motion, Pace, Sides, Wait
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
+from social_fleet.coordination.timing import Timing
 from social_fleet.errors import SolverFailed, TimedOut
 
 log = logging.getLogger(__name__)
@@ -28,6 +29,11 @@ _NODES = 100  # of the master's own search, while it has more binaries than `_FE
 _PROOFS = 2  # calls of the master at a time, ...
 _FEW = 60  # ... and as many as it takes while it has no more binaries than this
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
+
+
+def _left(timing: Timing, arcs: np.ndarray) -> np.ndarray:
+    """The moments [s] at which a robot has left arc lengths [m]."""
+    return np.minimum(timing.last_time(arcs) + _AFTER, timing.times[-1])
 
 
 @dataclass(frozen=True)
@@ -70,8 +76,7 @@ class ExactProgram:
         self._effort = effort
         self._solver = solver
         self._weights = np.array([0.0 if motion.fixed else motion.weight for motion in motions])
-        self._waits: List[Sides] = [(self._wait(encounter.r_first), self._wait(encounter.s_first))
-                                    for encounter in encounters]
+        self._waits = self._find_waits()
 
     def solve(self, *, deadline: float) -> Solution:
         """Find orders for all windows, and a bound.
@@ -124,12 +129,31 @@ class ExactProgram:
         if search.size <= _FEW:
             search.prove(_EXPLAINED, gap=self._gap, deadline=deadline, solver=self._solver)
 
-    def _wait(self, order: Order) -> Optional[Wait]:
-        if not order.possible:
-            return None
-        leader, follower = self.motions[order.leader].timing, self.motions[order.follower].timing
-        at = np.minimum(follower.last_time(order.at) + _AFTER, follower.times[-1])
-        return Wait(order.leader, order.follower, at, leader.first_time(order.clear))
+    def _find_waits(self) -> List[Sides]:
+        """What either order of each window asks for, in moments of the robots' motions."""
+        orders = [order for encounter in self.encounters for order in encounter.orders if order.possible]
+        ats = self._moments([(order.follower, order.at) for order in orders], _left)
+        clears = self._moments([(order.leader, order.clear) for order in orders], Timing.first_time)
+        waits = iter(Wait(order.leader, order.follower, at, clear) for order, at, clear in zip(orders, ats, clears))
+        found: List[Sides] = []
+        for encounter in self.encounters:
+            r_first, s_first = (next(waits) if order.possible else None for order in encounter.orders)
+            found.append((r_first, s_first))
+        return found
+
+    def _moments(self, places: Sequence[Tuple[int, np.ndarray]],
+                 moment_at: Callable[[Timing, np.ndarray], np.ndarray]) -> List[np.ndarray]:
+        """For each robot and its arc lengths [m] the moments [s], looked up at once for all of a robot's."""
+        by_robot: Dict[int, List[int]] = {}
+        for index, (robot, _) in enumerate(places):
+            by_robot.setdefault(robot, []).append(index)
+        found: List[np.ndarray] = [np.zeros(0)] * len(places)
+        for robot, indices in by_robot.items():
+            arcs = [places[index][1] for index in indices]
+            moments = moment_at(self.motions[robot].timing, np.concatenate(arcs))
+            for index, own in zip(indices, np.split(moments, np.cumsum([len(part) for part in arcs])[:-1])):
+                found[index] = own
+        return found
 
     def _objective(self, arrivals: np.ndarray) -> float:
         planned = arrivals[self._weights > 0.0]

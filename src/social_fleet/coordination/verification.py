@@ -65,13 +65,10 @@ def _track(schedule: Schedule) -> Tuple[np.ndarray, np.ndarray]:
     """Times [s] and positions [m] of the breaks of a schedule's motion."""
     path = schedule.robot.path
     arcs, times = schedule.arc_lengths, schedule.times
-    breaks = [times]
-    for low, high, start, end in zip(arcs[:-1], arcs[1:], times[:-1], times[1:]):
-        passed = path.arc_lengths[np.searchsorted(path.arc_lengths, low, "right"):
-                                  np.searchsorted(path.arc_lengths, high, "left")]
-        if len(passed):
-            breaks.append(start + (passed - low) / (high - low) * (end - start))
-    moments = np.unique(np.concatenate(breaks))
+    vertices = path.arc_lengths[(path.arc_lengths > arcs[0]) & (path.arc_lengths < arcs[-1])]
+    knot = np.searchsorted(arcs, vertices, side="right") - 1  # the last one not beyond the vertex
+    share = (vertices - arcs[knot]) / (arcs[knot + 1] - arcs[knot])
+    moments = np.unique(np.concatenate((times, times[knot] + share * (times[knot + 1] - times[knot]))))
     along = np.interp(moments, times, arcs)
     return moments, np.stack([np.interp(along, path.arc_lengths, path.points[:, axis]) for axis in (0, 1)], axis=1)
 
