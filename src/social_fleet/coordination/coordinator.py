@@ -38,7 +38,7 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         ``simultaneous`` or ``unified``: all at once, round what is `fixed`; ``sequential``: one after the other in
         the given order, each round those before it.
     fixed : sequence of Schedule
-        Schedules already under way, on the same clock. Their motion is not changed, but their robots may get to wait
+        Schedules already under way, on the same clock, in any order. Their motion is not changed, but their robots may get to wait
         for a planned one: see `FleetSchedule.amended`.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
@@ -115,7 +115,7 @@ class _Job:
 
     def __init__(self, fixed: Sequence[Schedule], finder: EncounterFinder, deadline: float,
                  replanner: Optional[Replanner], options: "_Options") -> None:
-        self.fixed = list(fixed)
+        self.fixed = sorted(fixed, key=lambda schedule: schedule.name)
         self.given = {schedule.name: schedule for schedule in fixed}
         self.deadline = deadline
         self.replanner = replanner
