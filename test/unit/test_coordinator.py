@@ -223,6 +223,25 @@ def test_the_order_of_the_request_does_not_matter(seed: int) -> None:
     assert wanted.windows == shuffled.windows
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_nor_does_the_order_of_those_under_way(seed: int) -> None:
+    fleet = street_fleet(14, seed)
+    fixed = coordinate(fleet[:7], partial=True).schedules
+    found = []
+    for under_way in (fixed, fixed[::-1]):
+        try:
+            found.append(coordinate(fleet[7:], mode="unified", fixed=under_way, partial=True))
+        except Infeasible as error:
+            found.append(error)
+    if isinstance(found[0], Infeasible):
+        assert str(found[0]) == str(found[1])
+    else:
+        assert found[0].windows == found[1].windows and found[0].unserved == found[1].unserved
+        assert [rules.precedences for rules in found[0].amended] == [rules.precedences for rules in found[1].amended]
+        for one, other in zip(found[0].schedules, found[1].schedules):
+            assert np.array_equal(one.times, other.times) and one.precedences == other.precedences
+
+
 @pytest.mark.parametrize("count, seed", [*itertools.product((2, 4, 8), range(6)), (16, 0), (16, 1), (16, 2), (16, 3)])
 def test_street_fleets_never_touch(count: int, seed: int) -> None:
     fleet = [replace(body, depart=3.0 * (index % 3)) for index, body in enumerate(street_fleet(count, seed))]
@@ -368,3 +387,21 @@ def test_who_cannot_be_served_is_named_and_the_rest_drive() -> None:
     assert [name for name, _ in aside.unserved] == ["b"], "d would be in its way even if it did not move"
     assert [schedule.name for schedule in aside.schedules] == ["a", "c", "d"]
     assert verify(aside).safe
+
+
+def test_one_by_one_nobody_drives_through_who_is_left_out() -> None:
+    """b cannot leave before a comes, whose schedule is settled first; left where it is, it blocks a."""
+    a, b = robot("a", (-5, 0), (5, 0)), robot("b", (-2, 0), (-2, 6), depart=30.0)
+    c = robot("c", (-5, 3), (5, 3))
+    some = coordinate([a, b, c], mode="sequential", partial=True)
+    assert [schedule.name for schedule in some.schedules] == ["c"]
+    assert [name for name, _ in some.unserved] == ["a", "b"]
+    assert "b starts in the way of a" in dict(some.unserved)["a"]
+    standing = [Schedule(robot(body.name, body.path.points[0]), np.zeros(1), np.zeros(1)) for body in (a, b)]
+    assert verify([*some.schedules, *standing]).safe
+
+
+def test_who_blocks_a_schedule_under_way_cannot_be_left_out() -> None:
+    under_way = coordinate([robot("a", (-5, 0), (5, 0))]).schedules
+    with pytest.raises(Infeasible, match="b starts in the way of a"):
+        coordinate([robot("b", (-2, 0), (-2, 6), depart=30.0)], fixed=under_way, partial=True)

@@ -12,6 +12,7 @@ from social_fleet.coordination.event_graph import EventGraph, Motion, Sides, Wai
 from social_fleet.coordination.order_state import OrderState
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.timing import nominal_timing
+from social_fleet.errors import SolverFailed
 
 MARGIN = 1.0
 
@@ -115,3 +116,15 @@ def test_weights_and_makespan_in_the_cost() -> None:
     assert state.cost() == pytest.approx(3.0 * state.arrivals()[0] + state.arrivals()[1])
     state.longest = True
     assert state.cost() == pytest.approx(state.arrivals()[1], abs=1e-3)
+
+
+def test_more_waits_than_can_be_remembered_are_refused_not_written_elsewhere() -> None:
+    """One window of many rows, the first of which raise more times than there is room for."""
+    _, state = prepared([robot("a", (0, 0), (40, 0), max_speed=0.2), robot("b", (-2, 0), (38, 0), max_speed=1.0)])
+    window = int(np.flatnonzero(state.possible[:, 0])[0])
+    assert state.rows.starts[2 * window + 1] - state.rows.starts[2 * window] > 30
+    wide = tuple(np.full(1000, 77, dtype=column.dtype) for column in state._trail)
+    state._trail = tuple(column[:12] for column in wide)
+    with pytest.raises(SolverFailed, match="fewer robots"):
+        state.give(window, 0)
+    assert all((column[12:] == 77).all() for column in wide)

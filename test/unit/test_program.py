@@ -122,6 +122,26 @@ def test_weights_and_the_makespan_are_minimised_as_well(seed: int) -> None:
     assert arrivals(motions, shortest).max() == pytest.approx(shortest.objective)
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e12])
+@pytest.mark.parametrize("seed", range(30))
+def test_only_the_ratio_of_weights_counts(seed: int, scale: float) -> None:
+    fleet = small_fleet(seed)
+    weights = np.random.RandomState(seed).uniform(0.2, 5.0, len(fleet))
+    plain, encounters = prepared(fleet)
+    for makespan in (False, True):
+        found = []
+        for factor in (1.0, scale):
+            motions = [replace(motion, weight=weight * factor) for motion, weight in zip(plain, weights)]
+            program = ExactProgram(motions, encounters, margin=MARGIN, makespan=makespan)
+            try:
+                solution = program.solve(deadline=time.monotonic() + 20.0)
+            except Contradiction:
+                return
+            unit = 1.0 if makespan else factor
+            found.append((solution.objective / unit, solution.bound / unit))
+        assert found[1] == pytest.approx(found[0], rel=1e-5)
+
+
 def test_the_small_fleets_are_worth_trying() -> None:
     bests, freely = [], []
     for seed in range(60):

@@ -17,7 +17,8 @@ from social_fleet.errors import InvalidInput, InvalidSchedule
 
 @pytest.fixture(scope="module", name="fleet")
 def crossing() -> FleetSchedule:
-    return coordinate([robot("a", (-4, 0), (4, 0), max_acceleration=0.5), robot("b", (0, -4), (0, 4), goal_yaw=1.0)])
+    return coordinate([robot("a", (-4, 0), (4, 0), max_acceleration=0.5),
+                       robot("b", (0, -4), (0, 4), goal_yaw=1.0, weight=2.0)])
 
 
 def test_what_goes_out_comes_back(fleet: FleetSchedule, tmp_path: Path) -> None:
@@ -27,6 +28,7 @@ def test_what_goes_out_comes_back(fleet: FleetSchedule, tmp_path: Path) -> None:
     for before, after in zip(fleet.schedules, again.schedules):
         assert np.array_equal(before.times, after.times) and np.array_equal(before.arc_lengths, after.arc_lengths)
         assert before.precedences == after.precedences
+        assert before.robot.weight == after.robot.weight
         assert before.robot.limits == after.robot.limits and before.robot.goal == after.robot.goal
     assert again.windows == fleet.windows
     assert verify(again) == verify(fleet)
@@ -67,6 +69,8 @@ def put(*keys: Any) -> Callable[[Dict], None]:
 
 
 @pytest.mark.parametrize("change, field", [
+    (put("unserved", [5]), r"unserved\[0\]"), (put("unserved", [{"name": "c"}]), r"unserved\[0\].reason"),
+    (put("robots", 0, "weight", 0.0), r"robots\[0\].weight"),
     (put("robots", ...), "robots"), (put("robots", {}), "robots"), (put("robots", 0, "amr_1"), r"robots\[0\]"),
     (put("robots", 0, "name", ...), r"robots\[0\].name"), (put("robots", 0, "name", ""), r"robots\[0\].name"),
     (put("robots", 1, "name", "a"), "robots"), (put("robots", 0, "radius", "big"), r"robots\[0\].radius"),

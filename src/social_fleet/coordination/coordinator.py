@@ -38,8 +38,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         ``simultaneous`` or ``unified``: all at once, round what is `fixed`; ``sequential``: one after the other in
         the given order, each round those before it.
     fixed : sequence of Schedule
-        Schedules already under way, on the same clock. Their motion is not changed, but their robots may get to wait
-        for a planned one: see `FleetSchedule.amended`.
+        Schedules already under way, on the same clock, in any order. Their motion is not changed, but their robots may
+        get to wait for a planned one: see `FleetSchedule.amended`.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
     objective : str
@@ -62,7 +62,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         Greatest number of paths replanned.
     partial : bool
         Where no schedule serves all, leave robots out, one by one, until the rest have one: see
-        `FleetSchedule.unserved`. They count as standing at their starts for ever.
+        `FleetSchedule.unserved`. They count as standing at their starts for ever; one that would there be in the way
+        of a `fixed` schedule cannot be left out.
     version : int
         Stamped on the schedules.
     finder : EncounterFinder, optional
@@ -114,7 +115,7 @@ class _Job:
 
     def __init__(self, fixed: Sequence[Schedule], finder: EncounterFinder, deadline: float,
                  replanner: Optional[Replanner], options: "_Options") -> None:
-        self.fixed = list(fixed)
+        self.fixed = sorted(fixed, key=lambda schedule: schedule.name)
         self.given = {schedule.name: schedule for schedule in fixed}
         self.deadline = deadline
         self.replanner = replanner
@@ -150,11 +151,18 @@ class _Job:
             unserved=tuple(sorted(self.unserved.items())))
 
     def run_one_by_one(self, robots: Sequence[Robot]) -> FleetSchedule:
-        """Each robot round those before it."""
-        parts: List[FleetSchedule] = []
-        for robot in robots:
-            parts.append(self.run([robot]))
-            self.fixed += parts[-1].schedules
+        """Each robot round those before it; anew where one that is left out stands in the way of those before."""
+        while True:
+            begun, parts = list(self.fixed), []
+            for robot in robots:
+                if robot.name not in self.unserved:
+                    parts.append(self.run([robot]))
+                    self.fixed += parts[-1].schedules
+            standing = [schedule for schedule in self.fixed[len(begun):] if schedule.name in self.unserved]
+            driven = [schedule for schedule in self.fixed if schedule.name not in self.unserved]
+            if not any(self._is_in_the_way(schedule.robot, driven) for schedule in standing):
+                break
+            self.fixed = begun + standing
         latest = {schedule.name: schedule for schedule in self.fixed}
         return FleetSchedule(
             tuple(latest[robot.name] for robot in robots if robot.name not in self.unserved),
@@ -212,7 +220,9 @@ class _Job:
         except Infeasible:
             if not self.options.partial:
                 raise
-        candidates = [robot for robot in planned if robot.name in error.robots]
+        given = [schedule for schedule in self.fixed if schedule.name in self.given]
+        candidates = [robot for robot in planned if robot.name in error.robots
+                      and not self._is_in_the_way(_standing(robot), given)]
         if not candidates:
             raise error
         named = [name for pair in error.pairs for name in pair]
@@ -220,8 +230,7 @@ class _Job:
                                                   -robot.weight, robot.name))
         log.warning("%s stays where it is: %s", left.name, error)
         self.unserved[left.name] = str(error)
-        standing = Robot(left.name, left.path.points[:1], left.max_speed, left.body_radius)
-        self.fixed.append(Schedule(standing, np.zeros(1), np.zeros(1), version=self.options.version))
+        self.fixed.append(Schedule(_standing(left), np.zeros(1), np.zeros(1), version=self.options.version))
         return [robot for robot in planned if robot.name != left.name]
 
     def _blocks(self, robot: Robot, fleet: Sequence[Robot], error: Infeasible) -> int:
@@ -229,6 +238,11 @@ class _Job:
         others = {name for pair in error.pairs if robot.name in pair for name in pair} - {robot.name}
         return sum(window.r_ends[0] for other in fleet if other.name in others
                    for window in self.finder.between(robot, other))
+
+    def _is_in_the_way(self, standing: Robot, driven: Sequence[Schedule]) -> bool:
+        """Whether one that never moves is in the way of schedules that are settled: nothing keeps those from it."""
+        finder = EncounterFinder(self.finder.tolerance)
+        return any(finder.between(standing, schedule.robot) for schedule in driven)
 
     def _feasible(self, robots: Sequence[Robot]) -> bool:
         """Whether a few robots have a schedule among themselves; fixed ones count as still to be planned."""
@@ -270,6 +284,11 @@ class _Job:
         """The given fixed schedules whose precedences changed."""
         return tuple(schedule for schedule in self.fixed if schedule.name in self.given
                      and schedule.precedences != self.given[schedule.name].precedences)
+
+
+def _standing(robot: Robot) -> Robot:
+    """The same robot, parked at its start for ever."""
+    return Robot(robot.name, robot.path.points[:1], robot.max_speed, robot.body_radius)
 
 
 def _sorted(rules: Sequence[Precedence]) -> Tuple[Precedence, ...]:

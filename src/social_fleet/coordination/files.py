@@ -1,6 +1,6 @@
 """schedule.json: a coordinated fleet as a file that anything can read, and that `verify` can judge."""
 
-from typing import Any, Dict, List, Optional, Type, Union
+from typing import Any, Dict, List, Optional, Tuple, Type, Union
 
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
@@ -63,8 +63,7 @@ def schedule_from_dict(data: Any, *, source: str = "") -> FleetSchedule:
             raise InvalidSchedule(f"two robots are named {name}; names must differ", source=source, field="robots")
     windows = tuple(_window_from_dict(item, source, f"windows[{index}]")
                     for index, item in enumerate(_get(data, "windows", list, source, default=[])))
-    unserved = tuple((_get(item, "name", str, source, f"unserved[{index}]"),
-                      _get(item, "reason", str, source, f"unserved[{index}]"))
+    unserved = tuple(_unserved(item, source, f"unserved[{index}]")
                      for index, item in enumerate(_get(data, "unserved", list, source, default=[])))
     numbers = {name: float(_get(data, name, _NUMBER, source, default=0.0))
                for name in ("objective", "gap", "planning_time", "encounter_time", "solve_time")}
@@ -77,7 +76,7 @@ def schedule_from_dict(data: Any, *, source: str = "") -> FleetSchedule:
 def _robot_to_dict(schedule: Schedule) -> Dict[str, Any]:
     robot = schedule.robot
     return {"name": robot.name, "radius": robot.body_radius, "max_speed": robot.max_speed, "depart": robot.depart,
-            **{limit: getattr(robot, limit) for limit in _LIMITS},
+            "weight": robot.weight, **{limit: getattr(robot, limit) for limit in _LIMITS},
             "start_yaw": robot.start_yaw, "goal_yaw": robot.goal_yaw, "version": schedule.version,
             "path": robot.path.points.tolist(), "arc_lengths": schedule.arc_lengths.tolist(),
             "times": schedule.times.tolist(), "precedences": [vars(rule) for rule in schedule.precedences]}
@@ -86,7 +85,8 @@ def _robot_to_dict(schedule: Schedule) -> Dict[str, Any]:
 def _robot_from_dict(item: Any, source: str, field: str) -> Schedule:
     _get({field: item}, field, dict, source)
     values = {name: float(_get(item, name, _NUMBER, source, field)) for name in ("radius", "max_speed")}
-    values["depart"] = float(_get(item, "depart", _NUMBER, source, field, default=0.0))
+    for key, default in (("depart", 0.0), ("weight", 1.0)):
+        values[key] = float(_get(item, key, _NUMBER, source, field, default=default))
     for limit in _LIMITS:
         if limit in item:
             values[limit] = float(_get(item, limit, _NUMBER, source, field))
@@ -112,6 +112,11 @@ def _precedence(item: Any, source: str, field: str) -> Precedence:
     return Precedence(float(_get(item, "at", _NUMBER, source, field)), _get(item, "other", str, source, field),
                       float(_get(item, "other_at", _NUMBER, source, field)),
                       int(_get(item, "other_version", int, source, field, default=0)))
+
+
+def _unserved(item: Any, source: str, field: str) -> Tuple[str, str]:
+    _get({field: item}, field, dict, source)
+    return _get(item, "name", str, source, field), _get(item, "reason", str, source, field)
 
 
 def _window_from_dict(item: Any, source: str, field: str) -> EncounterWindow:

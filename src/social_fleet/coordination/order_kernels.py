@@ -31,7 +31,7 @@ def give(window, side, times, causes, floors, offsets, robots, fixed, latest,  #
         if time > times[event] + _RAISE:
             trail_events[top], trail_times[top], trail_causes[top] = event, times[event], causes[event]
             top += 1
-            if fixed[robots[event]] and time > floors[event] + MISSED:
+            if fixed[robots[event]] and time > floors[event] + MISSED or top > len(trail_events) - 2 * len(offsets):
                 causes[event] = row
                 _forget(first, queue, 0, waiting)
                 return top, event

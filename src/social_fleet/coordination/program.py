@@ -76,6 +76,10 @@ class ExactProgram:
         self._effort = effort
         self._solver = solver
         self._weights = np.array([0.0 if motion.fixed else motion.weight for motion in motions])
+        # solver and search have absolute tolerances, and the latest arrival goes before any weight
+        self._scale = 1.0 if makespan else float(self._weights.max(initial=0.0)) or 1.0
+        self._relative = ((self._weights > 0.0) / max(np.count_nonzero(self._weights), 1) if makespan else
+                          self._weights / self._scale)
         self._waits = self._find_waits()
 
     def solve(self, *, deadline: float) -> Solution:
@@ -107,10 +111,10 @@ class ExactProgram:
             raise SolverFailed("the orders found contradict each other")
         objective = self._objective(times[graph.offsets[1:] - 1])
         return Solution(tuple(graph.paces(times)), tuple(self._orders(search, times)), objective,
-                        min(search.bound, objective))
+                        min(search.bound * self._scale, objective))
 
     def _search(self, graph: EventGraph, deadline: float) -> OrderSearch:
-        search = OrderSearch(graph, self.motions, self._weights, self._makespan)
+        search = OrderSearch(graph, self.motions, self._relative, self._makespan)
         search.improve(1, gap=self._gap, deadline=deadline)
         for _ in range(self._effort):
             self._prove(search, deadline)
@@ -180,7 +184,7 @@ class ExactProgram:
         """Whether some windows surely have no common order."""
         graph = EventGraph(self.motions, [self._waits[window] for window in windows], self.margin)
         try:
-            search = OrderSearch(graph, self.motions, self._weights, self._makespan)
+            search = OrderSearch(graph, self.motions, self._relative, self._makespan)
             search.improve(1, gap=math.inf, deadline=deadline)
             if not math.isfinite(search.cost):
                 search.prove(_EXPLAINED, gap=math.inf, deadline=deadline, solver=self._solver)
