@@ -38,8 +38,8 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
         ``simultaneous`` or ``unified``: all at once, round what is `fixed`; ``sequential``: one after the other in
         the given order, each round those before it.
     fixed : sequence of Schedule
-        Schedules already under way, on the same clock, in any order. Their motion is not changed, but their robots may get to wait
-        for a planned one: see `FleetSchedule.amended`.
+        Schedules already under way, on the same clock, in any order. Their motion is not changed, but their robots may
+        get to wait for a planned one: see `FleetSchedule.amended`.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
     objective : str
