@@ -9,7 +9,9 @@ import pytest
 from PIL import Image
 from worlds import grid_from_text
 
+from social_fleet.cli.coordinate import summary
 from social_fleet.cli.main import main
+from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.mapping.files import save_map
 
 HALL = "\n".join(["#" * 14, *["#" + "." * 12 + "#"] * 8, "#" * 14])
@@ -356,3 +358,8 @@ def test_a_zone_or_norm_that_is_wrong_is_named_with_its_file(capsys: pytest.Capt
     assert refused(capsys, *TRIP).startswith("error: hall.zones.yaml: zones[0].polygon: ")
     Path("c.yaml").write_text("norm: own_norms.Missing\n")
     assert refused(capsys, *TRIP, "--config", "c.yaml", "--zones", "none").startswith("error: c.yaml: norm: ")
+
+
+def test_a_gap_that_is_rounding_is_none() -> None:
+    assert any("gap 0 %" in line for line in summary(FleetSchedule((), gap=2.2e-16)))
+    assert any("gap 0.05 %" in line for line in summary(FleetSchedule((), gap=5e-4)))

@@ -14,7 +14,7 @@ from social_fleet.coordination import delay_program
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order
 from social_fleet.coordination.event_graph import Motion
-from social_fleet.coordination.order_search import Contradiction
+from social_fleet.coordination.order_search import Contradiction, OrderSearch
 from social_fleet.coordination.program import ExactProgram, Solution
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.timing import nominal_timing
@@ -215,6 +215,22 @@ def test_a_schedule_that_is_known_is_not_lost_when_time_runs_out() -> None:
     assert time.monotonic() - begun < 60.0
     assert found.gap > 1e-3 and all(window.first for window in found.windows)
     assert verify(found).min_clearance >= 0.2 - 1e-6
+
+
+def test_however_great_the_effort_it_ends_with_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def until_the_deadline(search: OrderSearch, rounds: int, *, gap: float, deadline: float) -> None:
+        tried.append(rounds)
+        improve(search, 1, gap=gap, deadline=math.inf)
+        while rounds > 1 and time.monotonic() <= deadline:
+            pass
+    improve = OrderSearch.improve
+    monkeypatch.setattr(OrderSearch, "improve", until_the_deadline)
+    monkeypatch.setattr(OrderSearch, "prove", lambda *_, **__: None)
+    motions, encounters = prepared([robot("a", (-4, 0), (4, 0)), robot("b", (0, -4), (0, 4))])
+    ExactProgram(motions, encounters, margin=MARGIN, effort=100).solve(deadline=time.monotonic() + 0.5)
+    assert len(tried) <= 2
 
 
 def test_past_its_deadline_it_says_so() -> None:

@@ -75,7 +75,7 @@ def summary(fleet: Any) -> List[str]:
     meetings = ", ".join(f"{number} {kind.replace('_', ' ')}" for kind, number in sorted(kinds.items()))
     lines = table(["robot", "m/s", "path m", "departs s", "arrives s", "waits for"], rows)
     lines.append(f"sum of completion {fleet.sum_of_completion:.1f} s, makespan {fleet.makespan:.1f} s, "
-                 f"gap {100.0 * fleet.gap:.2g} %; encounters: {meetings or 'none'}")
+                 f"gap {round(100.0 * fleet.gap, 4):g} %; encounters: {meetings or 'none'}")
     lines.append(f"planning {fleet.planning_time:.2f} s, encounters {fleet.encounter_time:.3f} s, "
                  f"program {fleet.solve_time:.3f} s ({fleet.formulation} formulation)")
     lines += [f"left out: {name}: {reason}" for name, reason in fleet.unserved]

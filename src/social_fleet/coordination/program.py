@@ -118,7 +118,7 @@ class ExactProgram:
         search.improve(1, gap=self._gap, deadline=deadline)
         for _ in range(self._effort):
             self._prove(search, deadline)
-            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost):
+            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > deadline:
                 break
             search.improve(_TRIES, gap=self._gap, deadline=deadline)
             self._prove(search, deadline)
