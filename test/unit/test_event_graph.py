@@ -1,11 +1,12 @@
 """Earliest times for given orders: against an independent Bellman-Ford; contradictions; how waits are spread."""
 
+import math
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import pytest
 
-from social_fleet.coordination.event_graph import Motion, Pace, Wait, earliest
+from social_fleet.coordination.event_graph import EventGraph, Motion, Pace, Wait
 from social_fleet.coordination.timing import Timing
 
 MARGIN = 0.7
@@ -18,6 +19,13 @@ def motion(duration: float, depart: float = 0.0, fixed: bool = False) -> Motion:
 
 def wait(leader: int, clear: Sequence[float], follower: int, at: Sequence[float]) -> Wait:
     return Wait(leader, follower, np.array(at, dtype=float), np.array(clear, dtype=float))
+
+
+def earliest(motions: Sequence[Motion], waits: Sequence[Wait], margin: float) -> Optional[List[Pace]]:
+    """Every robot's pace at the least times that keep the waits; None when there are none."""
+    graph = EventGraph(motions, [(each, None) for each in waits], margin)
+    times, delay = graph.least_times(np.zeros(len(waits), dtype=np.int64))
+    return graph.paces(times) if math.isfinite(delay) else None
 
 
 def bellman_ford(motions: Sequence[Motion], waits: Sequence[Wait]) -> Optional[Dict[Tuple[int, float], float]]:

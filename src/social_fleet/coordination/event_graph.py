@@ -5,7 +5,6 @@ solution is at once the earliest for every robot at every event, so no solver is
 the times. A cycle of waits means that the orders contradict each other.
 """
 
-import math
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
@@ -190,23 +189,6 @@ class EventGraph:
         outgoing = np.argsort(tails, kind="stable")
         out_starts = np.searchsorted(tails[outgoing], np.arange(self._offsets[-1] + 1))
         return Rows(tails, heads, starts, np.repeat(np.arange(2 * windows), counts), outgoing, out_starts)
-
-
-def earliest(motions: Sequence[Motion], waits: Sequence[Wait], margin: float) -> Optional[List[Pace]]:
-    """The least times at which every robot keeps every wait.
-
-    Parameters
-    ----------
-    margin : float
-        Time by which a wait's second moment follows its first [s].
-
-    Returns
-    -------
-    list of Pace, or None when the waits contradict each other or a fixed robot would have to wait.
-    """
-    graph = EventGraph(motions, [(wait, None) for wait in waits], margin)
-    times, delay = graph.least_times(np.zeros(len(waits), dtype=np.int64))
-    return graph.paces(times) if math.isfinite(delay) else None
 
 
 def _moments(motions: Sequence[Motion], waits: Sequence[Wait]) -> List[np.ndarray]:

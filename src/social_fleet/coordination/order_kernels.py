@@ -115,6 +115,14 @@ def _misses(order, times, tails, heads, starts, margin):  # type: ignore[no-unty
     return False
 
 
+@njit(cache=True)
+def _is_contested(window, times, tails, heads, starts, possible, sides, margin):  # type: ignore[no-untyped-def]
+    """Whether a window is open and the times keep neither order."""
+    return sides[window] < 0 and (
+        not possible[window, 0] or _misses(2 * window, times, tails, heads, starts, margin)) and (
+        not possible[window, 1] or _misses(2 * window + 1, times, tails, heads, starts, margin))
+
+
 @njit(cache=True, nogil=True)
 def kept(times, tails, heads, starts, possible, margin):  # type: ignore[no-untyped-def]
     """For each window and side whether the times keep all rows of that order."""
@@ -131,9 +139,7 @@ def contested(times, tails, heads, starts, possible, sides, margin):  # type: ig
     """For each window whether it is open and the times keep neither order."""
     broken = np.zeros(len(sides), np.bool_)
     for window in range(len(sides)):
-        broken[window] = sides[window] < 0 and (
-            not possible[window, 0] or _misses(2 * window, times, tails, heads, starts, margin)) and (
-            not possible[window, 1] or _misses(2 * window + 1, times, tails, heads, starts, margin))
+        broken[window] = _is_contested(window, times, tails, heads, starts, possible, sides, margin)
     return broken
 
 
@@ -202,9 +208,7 @@ def dive(wanted, by_time, cap, longest, weights, goals, windows_of, window_start
             if touched[robot]:
                 for place in range(window_starts[robot], window_starts[robot + 1]):
                     window = windows_of[place]
-                    broken[window] = sides[window] < 0 and (
-                        not possible[window, 0] or _misses(2 * window, times, tails, heads, starts, margin)) and (
-                        not possible[window, 1] or _misses(2 * window + 1, times, tails, heads, starts, margin))
+                    broken[window] = _is_contested(window, times, tails, heads, starts, possible, sides, margin)
 
 
 @njit(cache=True)

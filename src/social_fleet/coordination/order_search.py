@@ -52,7 +52,6 @@ class OrderSearch:
         self.state = OrderState(graph, motions, weights, longest)
         self.sides = self.state.sides.copy()
         self.cost = math.inf
-        self._rows = graph.rows
         self._settle()
         self.bound = self.state.cost()
         self._unavoidable = self.state.arrivals().copy()

@@ -7,7 +7,6 @@ bounds how good any can be. Windows whose rows the times keep anyway take part i
 doc/coordination.md.
 """
 
-import logging
 import math
 import time
 from dataclasses import dataclass
@@ -20,8 +19,6 @@ from social_fleet.coordination.event_graph import EventGraph, Motion, Pace, Side
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
 from social_fleet.coordination.timing import Timing
 from social_fleet.errors import SolverFailed, TimedOut
-
-log = logging.getLogger(__name__)
 
 _AFTER = 1e-7  # from reaching an arc length to leaving it, so that who waits there has already cleared up to it [s]
 _TRIES = 100  # neighbourhoods searched between two calls for a proof
