@@ -7,6 +7,7 @@ from typing import Any, Dict, List
 from social_fleet.cli.arguments import check_outputs, positive
 from social_fleet.cli.output import show, table, written
 from social_fleet.cli.progress import progress
+from social_fleet.coordination.options import FORMULATIONS, MODES, OBJECTIVES
 from social_fleet.errors import Infeasible, NoPath, SolverFailed, TimedOut
 
 SUMMARY = "schedule the fleet of a scenario file"
@@ -18,10 +19,10 @@ _STATUS = {NoPath: "no_path_found", Infeasible: "infeasible", TimedOut: "timed_o
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes; an option overrides the file's."""
     parser.add_argument("scenario", metavar="SCENARIO.yaml", help="map, robots and options")
-    parser.add_argument("--mode", choices=("simultaneous", "sequential", "unified"), help="overrides the file's")
-    parser.add_argument("--formulation", choices=("exact", "paper"),
+    parser.add_argument("--mode", choices=MODES, help="overrides the file's")
+    parser.add_argument("--formulation", choices=FORMULATIONS,
                         help="exact never lets two robots touch; paper is Eq. 5-8 as printed")
-    parser.add_argument("--objective", choices=("sum_of_completion", "makespan"), help="overrides the file's")
+    parser.add_argument("--objective", choices=OBJECTIVES, help="overrides the file's")
     parser.add_argument("--partial", action="store_true",
                         help="where not all can be served, name those left out and schedule the rest")
     parser.add_argument("--time-limit", type=positive, metavar="S", help="of the solver [s]")

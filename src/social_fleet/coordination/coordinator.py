@@ -9,11 +9,12 @@ import numpy as np
 
 from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order, contradiction, forced_reasons
 from social_fleet.coordination.event_graph import Motion
+from social_fleet.coordination.options import check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
 from social_fleet.coordination.program import ExactProgram, Solution
 from social_fleet.coordination.repair import Repairs, Replanner
-from social_fleet.coordination.request import check_fleet, check_options
+from social_fleet.coordination.request import check_fleet
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
 from social_fleet.coordination.solvers import find_solver

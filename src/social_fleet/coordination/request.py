@@ -1,7 +1,5 @@
 """What a request for coordination must keep to, before anything is searched or solved."""
 
-import math
-from numbers import Integral, Real
 from typing import Sequence
 
 import numpy as np
@@ -11,34 +9,8 @@ from social_fleet.coordination.schedule import Schedule
 from social_fleet.coordination.verification import verify
 from social_fleet.errors import InvalidScenario
 
-MODES = ("simultaneous", "sequential", "unified")
-FORMULATIONS = ("exact", "paper")
-OBJECTIVES = ("sum_of_completion", "makespan")
-
 _END_TOLERANCE = 1e-3  # by which a fixed schedule may miss the ends of its path [m]
 _CONTACT = 1e-6  # overlap of two discs that is rounding [m]
-
-
-def check_options(*, mode: str, formulation: str, objective: str, effort: int, repairs: int, gap: float,
-                  time_margin: float, tracking_tolerance: float, time_limit: float) -> None:
-    """Raise InvalidScenario for an option out of its range."""
-    for value, choices, field in ((mode, MODES, "mode"), (formulation, FORMULATIONS, "formulation"),
-                                  (objective, OBJECTIVES, "objective")):
-        if value not in choices:
-            raise InvalidScenario(f"must be one of {', '.join(choices)}, not {value!r}", field=field)
-    for count, field in ((effort, "effort"), (repairs, "repairs")):
-        if isinstance(count, bool) or not isinstance(count, Integral) or count < 0:
-            raise InvalidScenario(f"must be a whole number, zero or more, not {count!r}", field=field)
-    for number, field in ((gap, "gap"), (time_margin, "time_margin"), (tracking_tolerance, "tracking_tolerance"),
-                          (time_limit, "time_limit")):
-        _check_number(number, field, positive=field == "time_limit")
-
-
-def _check_number(number: float, field: str, *, positive: bool) -> None:
-    if isinstance(number, bool) or not isinstance(number, Real):
-        raise InvalidScenario(f"must be a number, not {number!r}", field=field)
-    if not math.isfinite(number) or number < 0.0 or (positive and number == 0.0):
-        raise InvalidScenario(f"must be {'positive' if positive else 'zero or more'}, not {number!r}", field=field)
 
 
 def check_fleet(robots: Sequence[Robot], fixed: Sequence[Schedule], tolerance: float) -> None:
@@ -49,13 +21,17 @@ def check_fleet(robots: Sequence[Robot], fixed: Sequence[Schedule], tolerance: f
     if not robots:
         raise InvalidScenario("there is no robot to coordinate", field="robots")
     everyone = list(robots) + [schedule.robot for schedule in fixed]
-    names = [robot.name for robot in everyone]
-    for name in names:
-        if names.count(name) > 1:
-            raise InvalidScenario(f"two robots are named {name}; names must differ", field="robots")
+    check_names([robot.name for robot in everyone])
     _check_under_way(fixed)
     _check_apart(robots, 0, "start", tolerance, planned=len(robots))
     _check_apart(everyone, -1, "goal", tolerance, planned=len(robots))
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Raise InvalidScenario when a name comes twice."""
+    for name in names:
+        if names.count(name) > 1:
+            raise InvalidScenario(f"two robots are named {name}; names must differ", field="robots")
 
 
 def _check_under_way(fixed: Sequence[Schedule]) -> None:

@@ -14,7 +14,8 @@ All of this follows from the names alone, so every robot works it out for itself
 
 from typing import Dict, List, Sequence, Tuple
 
-from social_fleet.errors import InvalidParameter, InvalidScenario
+from social_fleet.coordination.request import check_names
+from social_fleet.errors import InvalidParameter
 
 Pair = Tuple[str, str]
 """Two names in the coordinator's order: those that plan by name, before those under way."""
@@ -67,10 +68,7 @@ def share_pairs(planning: Sequence[str], fixed: Sequence[str] = ()) -> Dict[str,
     InvalidScenario
         When a name comes twice: the robots could not tell whose pairs are whose.
     """
-    everyone = [*planning, *fixed]
-    for name in everyone:
-        if everyone.count(name) > 1:
-            raise InvalidScenario(f"two robots are named {name}; names must differ", field="robots")
+    check_names([*planning, *fixed])
     circle = sorted(planning)
     shares = {}
     for place, partners in enumerate(circular_partners(len(circle))):

@@ -6,16 +6,13 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import yaml
 
+from social_fleet.coordination.options import FORMULATIONS, MODES, OBJECTIVES
 from social_fleet.errors import InvalidInput, InvalidScenario
 from social_fleet.files import PathLike, atomic_write, plain, read_yaml
 from social_fleet.scenario.fields import Fields
 from social_fleet.scenario.locations import resolve
 from social_fleet.scenario.scenario import Coordination, Expect, RobotSpec, Scenario
 from social_fleet.simulation.faults import FAULT_KINDS, CircleObstacle, Fault
-
-MODES = ("simultaneous", "sequential", "unified")
-FORMULATIONS = ("exact", "paper")
-OBJECTIVES = ("sum_of_completion", "makespan")
 
 
 def load_scenario(path: PathLike) -> Scenario:
