@@ -86,9 +86,9 @@ class Agent:
                 if tracker.schedule.version != self._followed:
                     self._eyes.follow(tracker.schedule.robot.path)
                     self._followed = tracker.schedule.version
-                horizon = self._eyes.horizon(points, tracker.progress)
+                horizon = self._eyes.horizon(points, tracker.progress, pose)
                 ahead = self._eyes.ahead(points, pose)
-            if now - self._looked >= _LOOK - 1e-9:
+            if now - self._looked >= _LOOK - 1e-9 and tracker.pose_believed:
                 self._looked = now
                 self._look(now, pose, truth, points, discs, own)
         self._horizon = horizon

@@ -174,7 +174,7 @@ class Dispatcher:
         request = Request(
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
-            silent=self._silent, give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
+            doubtful=self._sightings.doubtful, silent=self._silent, give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
         self.assignments = self._replanning.assignments(request)
         for charge in live:
             charge.give(self.assignments[charge.name], now, anew=charge.name in need.robots,
@@ -191,7 +191,7 @@ class Dispatcher:
         """Where robots are that are not to be waited for."""
         places: Dict[str, Tuple[DiscObstacle, ...]] = {}
         for name in sorted(self._silent):
-            places[name] = tuple(shape for key, shape in self._sightings.obstacles.items() if key.startswith(name + "#"))
+            places[name] = self._sightings.places(name)
         for charge in live:
             pose, radius = charge.report.pose, charge.report.body.radius
             if charge.name in self._standing and pose is not None:
