@@ -107,6 +107,11 @@ class Charge:
         return (self._monitor is not None and self._monitor.is_late
                 and self.report.state not in (ProgressState.HOLDING, ProgressState.ARRIVED))
 
+    @property
+    def is_unserved(self) -> bool:
+        """Whether it has an errand and no schedule that leads to its goal."""
+        return self.report.errand is not None and bool(self.report.unserved)
+
     def rest(self, now: float) -> float:
         """For how long it has stood though it could have moved [s]."""
         return max(now - self._moved_at, 0.0) if not self._is_excused(self.report) else 0.0

@@ -21,6 +21,7 @@ log = logging.getLogger(__name__)
 
 _GATHERING = 1.0  # a new robot is heard for so long before anything is planned with it: others may come, too [s]
 _ROOM = 0.25  # kept to robots that stand for good, beyond their disc [m]
+_AGAIN = "is tried again"
 _REST = 2.0  # a robot that stands for less is expected to go on at once [s]
 
 
@@ -100,6 +101,8 @@ class Dispatcher:
             return None
         names = [charge.name for charge in live]
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
+        if _AGAIN in causes.values():  # together, for they may be in each other's way
+            causes.update((charge.name, _AGAIN) for charge in live if charge.name not in causes and charge.is_unserved)
         silent = frozenset(self._charges) - frozenset(names)
         standing = frozenset(charge.name for charge in live if charge.rest(now) >= self.config.stuck)
         if silent - self._silent or standing - self._standing:
@@ -137,7 +140,7 @@ class Dispatcher:
             return ""
         if report.unserved and errand:
             changed = charge.circumstances != (self._sightings.version, self._silent, self._standing)
-            return "is tried again" if not report.final or changed else ""
+            return _AGAIN if not report.final or changed else ""
         if report.blocked >= self.config.obstacle_patience:
             return "has something in its way"
         return ""
