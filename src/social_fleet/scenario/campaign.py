@@ -17,7 +17,7 @@ from social_fleet.scenario.faulty import FaultyRun, drive_scenario
 from social_fleet.scenario.files import save_scenario
 from social_fleet.scenario.fleet import FleetPlanner, coordinate_scenario
 from social_fleet.scenario.locations import PACKAGE, resolve
-from social_fleet.scenario.random_faults import random_faulty_scenario
+from social_fleet.scenario.random_faults import WALL_MARGIN, random_faulty_scenario
 from social_fleet.scenario.scenario import Scenario
 
 log = logging.getLogger(__name__)
@@ -111,7 +111,7 @@ class Campaign:
     def _grid(self, name: str) -> OccupancyGrid:
         if name not in self._grids:
             self._grids[name] = load_map(_map_path(name))
-            self._planners[name] = FleetPlanner(self._grids[name])
+            self._planners[name] = FleetPlanner(self._grids[name], {"wall_margin": WALL_MARGIN})
         return self._grids[name]
 
     def _path(self, name: str) -> str:

@@ -136,7 +136,8 @@ class _Job:
         while True:
             former = [schedule for name, robot in robots.items() if name not in free and name in self._kept
                       for schedule in [by_name[name].former(robot)] if schedule is not None]
-            replanner = ContinuingReplanner(PlannerReplanner(self._planner_for), list(by_name.values()))
+            replanner = ContinuingReplanner(PlannerReplanner(
+                self._planner_for, overlays=self.request.obstacles), list(by_name.values()))
             try:
                 fleet = coordinate(list(robots.values()), former=former, time_margin=self.options.time_margin,
                                    tracking_tolerance=self.options.tracking_tolerance,
