@@ -179,6 +179,10 @@ class Tracker:
         """
         if now == self._last:
             return self.command
+        if self.arrived and self.command == STANDSTILL:
+            self._last = now
+            self.pose_believed = pose is not None and self._watch.believes(now, pose, self._limits)
+            return STANDSTILL
         period = self._elapsed(now)
         self._gate.hear(others)
         self.waiting_for = None

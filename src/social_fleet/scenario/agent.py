@@ -96,13 +96,8 @@ class Agent:
 
     def _points(self, pose: Pose, truth: Pose, discs: np.ndarray, own: int) -> np.ndarray:
         """Hits as the robot places them on the map, (N, 2) [m]."""
-        gaps = np.hypot(discs[:, 0] - truth.x, discs[:, 1] - truth.y) - discs[:, 2]
-        gaps[own] = np.inf
-        near = gaps <= _REACH
-        if not near.any():
-            return np.zeros((0, 2))
-        points = hits(truth.x, truth.y, discs[near], _REACH)
-        if pose == truth:
+        points = hits(truth.x, truth.y, discs, _REACH, own)
+        if not len(points) or pose == truth:
             return points
         shift = compose(pose, inverse(truth))
         cos, sin = math.cos(shift.yaw), math.sin(shift.yaw)

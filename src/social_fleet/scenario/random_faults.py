@@ -20,7 +20,7 @@ _SHARES = {"pause": 0.35, "slow": 0.15, "lost": 0.1, "jump": 0.12, "silent": 0.1
 _BUSY = 60.0  # faults begin within so long [s]
 POSITION_ERROR = 0.03  # bound of localisation's error [m]; doc/execution.md says what is guaranteed up to it
 HEADING_ERROR = 0.02  # [rad]
-WALL_MARGIN = 0.12  # half of it, in tight spots, covers the localisation's error, the driven curve's and the tracker's [m]
+WALL_MARGIN = 0.12  # half of it, all that there is in tight spots, covers errors of localisation and tracking [m]
 
 
 def random_faulty_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: str, map_path: str) -> Scenario:

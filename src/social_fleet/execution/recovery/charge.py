@@ -55,7 +55,7 @@ class Charge:
 
     def hear(self, report: Report) -> None:
         """Take in a later report."""
-        if (report.session, report.stamp) <= (self.report.session, self.report.stamp):
+        if report.age <= self.report.age:
             return
         if report.session != self.report.session or report.stamp - self.report.stamp > self._config.gone:
             self.known_since = report.stamp

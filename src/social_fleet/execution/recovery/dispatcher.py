@@ -5,7 +5,7 @@ It keeps nothing that a robot's report does not tell: started anew, it goes on. 
 
 import logging
 import math
-from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
 from social_fleet.execution.recovery.charge import Charge
 from social_fleet.execution.recovery.config import RecoveryConfig
@@ -60,9 +60,9 @@ class Dispatcher:
         self.assignments: Dict[str, Assignment] = {}
         self._silent: FrozenSet[str] = frozenset()
         self._standing: FrozenSet[str] = frozenset()
-        self._seen = 0
-        self._tried_at = -math.inf
         self._said = -math.inf
+        self._began: Optional[float] = None
+        self._mentioned: Set[str] = set()
 
     def hear(self, report: Report) -> None:
         """Take in what a robot says; older news than known is passed over."""
@@ -70,10 +70,13 @@ class Dispatcher:
             self._charges[report.name] = Charge(report, self.config)
         else:
             self._charges[report.name].hear(report)
+        if report.schedule is not None:
+            self._mentioned.update(report.schedule.peers)
         self._sightings.hear(report)
 
     def step(self, now: float) -> Optional[Directive]:
         """What is to be said to all robots at `now` [s]; None when there is nothing new, nor time to say it again."""
+        self._began = now if self._began is None else self._began
         before = self._exchange, len(self.assignments)
         if self._need is not None:
             self._collect(now)
@@ -99,6 +102,8 @@ class Dispatcher:
         live = self._live(now)
         if not live or any(now - charge.known_since < _GATHERING for charge in live):
             return None
+        if self._mentioned - set(self._charges) and now - (self._began or 0.0) < self.config.gone:
+            return None  # just started: who was not heard of yet may still drive
         names = [charge.name for charge in live]
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
         if _AGAIN in causes.values():  # together, for they may be in each other's way
@@ -170,6 +175,8 @@ class Dispatcher:
         live = self._live(now)
         if any(charge.report.exchange != self._exchange for charge in live):
             return
+        if any(charge.report.version and charge.schedule is None for charge in live):
+            return  # nobody has said yet what it follows
         if any(charge.report.pose is None and (charge.report.version == 0 or charge.report.astray) for charge in live):
             return  # nobody knows where it is, itself included
         need, self._need = self._need, None
@@ -177,7 +184,8 @@ class Dispatcher:
         request = Request(
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
-            doubtful=self._sightings.doubtful, silent=self._silent, give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
+            doubtful=self._sightings.doubtful, silent=self._silent,
+            give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
         self.assignments = self._replanning.assignments(request)
         for charge in live:
             charge.give(self.assignments[charge.name], now, anew=charge.name in need.robots,

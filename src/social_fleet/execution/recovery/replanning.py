@@ -110,7 +110,8 @@ class Replanning:
                 item.report.session, replace(schedules[name], peers=tuple(peer for peer in peers if peer != name)),
                 origin=0.0 if schedules[name].robot.committed is None else job.origin(item, schedules[name]),
                 errand=0 if errand is None else errand.number, reason=reason,
-                final=bool(reason) and (name in request.give_up or item.report.final and reason == item.report.unserved),
+                final=bool(reason) and (name in request.give_up or (item.report.final
+                                                                    and reason == item.report.unserved)),
                 temporary=name in job.temporary)
         return result
 
