@@ -9,6 +9,7 @@ from driving import PERIOD, integrate, schedule_of
 
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import Precedence, Schedule
+from social_fleet.execution.config import TrackerConfig
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.member import Member
 from social_fleet.execution.recovery.messages import Assignment, Body, Directive, Errand, Report
@@ -171,12 +172,11 @@ def test_off_its_path_it_asks_for_another_and_stands_until_it_has_one() -> None:
     gold = Driven(straight()).drive(5.0)
     gold.pose = Pose(gold.pose.x, 1.0, 0.0)
     assert not gold.drive(5.0).report.astray
-    assert gold.drive(CONFIG.astray + 1.0).report.astray
+    assert gold.drive(TrackerConfig().pose_settle + CONFIG.astray).report.astray
     gold.say(exchange=2)
     gold.drive(PERIOD)
-    gold.pose = Pose(gold.pose.x, 0.0, 0.0)  # localisation is back, but the promise has been given
-    place = gold.pose
-    assert gold.drive(5.0).pose == place and gold.report.astray
+    gold.pose = place = Pose(gold.pose.x, 0.0, 0.0)  # localisation is back, but the promise has been given
+    assert gold.drive(15.0).pose == place and gold.report.astray
     robot = Robot("gold", [(place.x, 0.0), (20.0, 0.0)], committed=0.0)  # type: ignore[arg-type]
     plain = schedule_of(robot.path.points, wait=gold.now)
     gold.say(given=Assignment(0, Schedule(robot, plain.arc_lengths, plain.times, version=2)), exchange=2)
