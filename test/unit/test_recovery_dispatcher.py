@@ -42,7 +42,8 @@ class Fleet:
         self.dispatcher = Dispatcher(Replanning(lambda radius: PLANNER), CONFIG)
         self.reports: Dict[str, Report] = {
             name: Report(name, 0, 0.0, version=1, state=ProgressState.DRIVING, pose=Pose(1.0, y),
-                         schedule=SCHEDULES[name], errand=Errand(1, GOALS[name]), serving=1) for name, y in (("gold", 2.0), ("green", 5.0))}
+                         schedule=SCHEDULES[name],
+                         errand=Errand(1, GOALS[name]), serving=1) for name, y in (("gold", 2.0), ("green", 5.0))}
         self.now = 0.0
         self.said: List[Directive] = []
 

@@ -180,6 +180,8 @@ class FleetRun:
                     self.agents[receiver].hear_report(message)
                 else:
                     self.agents[receiver].hear(message)
+                    for report in self.agents[receiver].member.remembered(message):
+                        self._network.send(now, [DISPATCHER], report)
 
     def _dispatch(self, now: float) -> None:
         assert self.dispatcher is not None
