@@ -94,7 +94,7 @@ class World:
 
     def befalls(self, name: str, *kinds: str) -> bool:
         """Whether a fault of these kinds befalls the robot, or the dispatcher, now."""
-        return active(self._faults.get(name, ()), self.clock.now, *kinds)
+        return name in self._faults and active(self._faults[name], self.clock.now, *kinds)
 
     def poses(self) -> np.ndarray:
         """True poses [m, rad, map frame], shape (R, 3), in the robots' order."""
