@@ -19,7 +19,7 @@ from social_fleet.simulation.network import NetworkConfig
 
 PATH = str(ROOT / "maps" / "crossing.yaml")
 GRID = load_map(PATH)
-PLANNERS = FleetPlanner(GRID, {"wall_margin": 0.12})
+PLANNERS = FleetPlanner(GRID, {"wall_margin": 0.14})
 BAD = NetworkConfig(loss=0.3, latency=0.05, late=0.4, delay=8.0, seed=5)
 NAMED = sorted(path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml"))
 
