@@ -99,6 +99,20 @@ def test_a_new_goal_opens_an_exchange_that_waits_for_all_promises() -> None:
     assert np.allclose(green.schedule.robot.path.points[-1], GOALS["green"])
 
 
+def test_without_its_goal_a_robot_stays_where_it_can_stop() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, gold={"errand": None})
+    given = fleet.pass_time(1.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert given is not None and fleet.dispatcher.decisions == ["sequential: gold has no goal any more"]
+    gold = given.assignments["gold"]
+    assert gold.errand == 0 and gold.schedule.robot.path.length == pytest.approx(gold.schedule.robot.committed)
+    confirmed = {"version": 2, "schedule": gold.schedule, "serving": 0, "bound": np.inf, "exchange": 2}
+    fleet.pass_time(3.0, gold=confirmed, green={"version": 2, "schedule": given.assignments["green"].schedule,
+                                                "bound": np.inf})
+    assert len(fleet.dispatcher.decisions) == 1
+
+
 def test_assignments_are_said_until_they_are_confirmed() -> None:
     fleet = Fleet()
     fleet.pass_time(2.0)
