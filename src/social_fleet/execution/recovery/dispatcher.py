@@ -123,7 +123,7 @@ class Dispatcher:
             if not causes and silent - self._silent:
                 causes[names[0]] = f"takes note that {', '.join(sorted(silent - self._silent))} is silent"
         for name in sorted(silent - self._silent):
-            self._sightings.put(name, self._spots(self._charges[name]))
+            self._sightings.put(name, self._spots(self._charges[name]), now)
         for name in sorted(self._silent - silent):
             self._sightings.drop(name)
         self._silent, self._standing = silent, standing
@@ -189,7 +189,7 @@ class Dispatcher:
         request = Request(
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
-            doubtful=self._sightings.doubtful, silent=self._silent,
+            doubtful=self._sightings.doubtful(now), silent=self._silent,
             give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
         self.assignments = self._replanning.assignments(request)
         for charge in live:
