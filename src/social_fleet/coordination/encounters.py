@@ -113,8 +113,10 @@ class EncounterFinder:
         self._remember([r, s])
         names = r.name, s.name
         if names not in self._known:
-            self._known[names] = tuple(_encounters(window_rows(
-                self._links_of(r), self._links_of(s), self.safety_distance(r, s))))
+            links, distance = (self._links_of(r), self._links_of(s)), self.safety_distance(r, s)
+            # where one lets others pass, no mark may run ahead to beyond its stop
+            rows = window_rows(*links, distance, stair=0.0) if r.stops or s.stops else window_rows(*links, distance)
+            self._known[names] = tuple(_encounters(rows))
         return self._known[names]
 
     def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:

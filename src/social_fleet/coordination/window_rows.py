@@ -14,7 +14,7 @@ from social_fleet.coordination.conflict_regions import LINK, Links, close_runs, 
 SHORT = 2.0
 """A window whose arcs are both shorter than this is an intersection [m]."""
 
-_STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
+_STAIR = 0.5  # see `window_rows` [m]
 _SETBACK = 1.0  # by which a window that runs along, or against, the other path may depart from that [m]
 
 
@@ -43,15 +43,21 @@ class WindowRows(NamedTuple):
     clear: np.ndarray
 
 
-def window_rows(r: Links, s: Links, distance: float) -> WindowRows:
-    """The windows of two paths: where links come closer than `distance` [m]."""
+def window_rows(r: Links, s: Links, distance: float, *, stair: float = _STAIR) -> WindowRows:
+    """The windows of two paths, where links come closer than `distance` [m].
+
+    Parameters
+    ----------
+    stair : float
+        How far the first robot's mark may run ahead of what is needed, to save rows [m].
+    """
     return WindowRows(*_windows(r.tails, r.heads, r.middles, r.starts, r.ends,
-                                s.tails, s.heads, s.middles, s.starts, s.ends, distance))
+                                s.tails, s.heads, s.middles, s.starts, s.ends, distance, stair))
 
 
 @njit(cache=True)
 def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-untyped-def]
-             s_tails, s_heads, s_middles, s_starts, s_ends, distance):
+             s_tails, s_heads, s_middles, s_starts, s_ends, distance, stair):
     runs = close_runs(r_tails, r_heads, r_middles, s_tails, s_heads, s_middles, distance)
     labels = label_runs(runs)
     count = labels.max() + 1 if len(labels) else 0
@@ -71,15 +77,16 @@ def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-u
         ends[window, 2], ends[window, 3] = first == 0, last == len(s_starts) - 1
         kinds[window] = _kind(mine, extents[window])
         by_first = np.argsort(mine[:, 1], kind="mergesort")
-        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows)
+        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows, stair)
         starts[2 * window + 1] = rows
-        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows)
+        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows, stair)
         starts[2 * window + 2] = rows
     return extents, ends, kinds, starts, at[:rows], clear[:rows]
 
 
 @njit(cache=True)
-def _stairs(entries, follower_links, exits, leader_links, order, at, clear, rows):  # type: ignore[no-untyped-def]
+def _stairs(entries, follower_links, exits,  # type: ignore[no-untyped-def]
+            leader_links, order, at, clear, rows, stair):
     """Add the rows of one order; `entries` and `exits` are the arc lengths of links' starts and ends [m]."""
     begin = rows
     low = 0.0
@@ -87,7 +94,7 @@ def _stairs(entries, follower_links, exits, leader_links, order, at, clear, rows
     for index in order:
         entry = entries[follower_links[index]]
         passed = max(passed, exits[leader_links[index]])
-        if rows == begin or (entry > at[rows - 1] and passed - low > _STAIR):
+        if rows == begin or (entry > at[rows - 1] and passed - low > stair):
             at[rows] = entry
             low = passed
             rows += 1

@@ -11,7 +11,7 @@ from nav_msgs.msg import OccupancyGrid as GridMessage
 from rospy.numpy_msg import numpy_msg
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.errors import InvalidScenario
 from social_fleet.msg import EncounterWindow, Progress, Schedule as ScheduleMessage
