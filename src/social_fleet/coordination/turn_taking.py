@@ -148,17 +148,17 @@ class TurnTaking:
         regions = self._regions("goals", widest)
         here = regions.of(self._places[self._waiting])
         room = self._replanner.standing_room(self._robots[widest])
-        labels = regions.of(room)
+        labels = regions.holding(room)
         counts = np.bincount(labels[labels > 0])
         held = np.bincount(here[here > 0], minlength=len(counts))[:len(counts)]
         inside = room[labels == np.lexsort((counts, held))[-1]]
         return inside[np.argmin(np.hypot(*(inside - inside.mean(axis=0)).T))]
 
     def _at_hub(self, places: np.ndarray, robot: int) -> np.ndarray:
-        """Which of some places a robot could drive to from the hub if all goals were occupied."""
+        """Which of some places a robot could drive to from the hub if all goals were occupied (M,) bool."""
         assert self._hub is not None
         regions = self._regions("goals", robot)
-        return regions.of(places) == regions.of(self._hub[None])
+        return regions.holding(places) == regions.of(self._hub[None])
 
     def _regions(self, closed: str, robot: int) -> Regions:
         """What robots of one size reach from where when all goals are closed, all that stand, or those settled."""
@@ -180,7 +180,7 @@ class TurnTaking:
         room = self._replanner.standing_room(self._robots[robot])
         if at_hub:
             room = room[self._at_hub(room, robot)]
-        room = room[np.isin(self._regions("standing", robot).of(room), self._around(robot))]
+        room = room[np.isin(self._regions("standing", robot).holding(room), self._around(robot))]
         ways = [self._ways[other] for other in self._waiting if other != robot]
         room = room[clear_of(room, ways, self._distances[robot].max() + _ROOM)]
         gaps = np.hypot(*(room[:, None] - self._places[self._others(robot)]).T).T

@@ -31,15 +31,24 @@ class Regions:
         free[lattice.row[closed], lattice.col[closed]] = False
         self._labels = ndimage.label(free)[0]
 
+    def holding(self, places: np.ndarray) -> np.ndarray:
+        """The number of the part that each of some places (M, 2) [m] lies in; 0 for none."""
+        return self._looked_up(places)[0]
+
     def of(self, places: np.ndarray) -> np.ndarray:
-        """The number of the part that each of some places (M, 2) [m] lies in, or beside; 0 for none."""
+        """The number of the part that each of some places (M, 2) [m] lies in, or just beside; 0 for none."""
+        labels, rows, columns = self._looked_up(places)
+        for index in np.flatnonzero(labels == 0):
+            labels[index] = self._beside(rows[index], columns[index])
+        return labels
+
+    def _looked_up(self, places: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The labels at some places, and their rows and columns."""
         rows, columns = np.floor(self._grid.to_local(places) / self._grid.resolution).astype(int).T[::-1]
         inside = (rows >= 0) & (rows < self._labels.shape[0]) & (columns >= 0) & (columns < self._labels.shape[1])
         labels = np.zeros(len(rows), dtype=self._labels.dtype)
         labels[inside] = self._labels[rows[inside], columns[inside]]
-        for index in np.flatnonzero(labels == 0):
-            labels[index] = self._beside(rows[index], columns[index])
-        return labels
+        return labels, rows, columns
 
     def touching(self, disc: Disc) -> np.ndarray:
         """The numbers of all parts that a disc touches."""
