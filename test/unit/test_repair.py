@@ -17,9 +17,7 @@ from social_fleet.errors import Infeasible
 from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.overlays.discs import Disc
-from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.regions import Regions
 
 HALL = "#" * 22 + ("\n#" + "." * 20 + "#") * 5 + "\n" + "#" * 22
 CORRIDOR = "#" * 22 + "\n#" + "." * 20 + "#\n" + "#" * 22
@@ -30,9 +28,6 @@ ALCOVE = """
     #....................#
     ######################
 """
-
-
-PLANNER = SocialPlanner(grid_from_text(HALL, 1.0), PlannerConfig(robot_radius=0.25))
 
 
 def replanner(text: str) -> PlannerReplanner:
@@ -109,15 +104,6 @@ class Recorder(Replanner):
     def aside(self, robot: Robot, others: Sequence[Robot], distance: float, avoid: Sequence[Disc]) -> Iterator[Robot]:
         self.wishes.append(f"{robot.name} aside")
         yield robot
-
-    def way(self, robot: Robot, start: np.ndarray, goal: np.ndarray, avoid: Sequence[Disc]) -> Optional[Plan]:
-        return None
-
-    def regions(self, robot: Robot, avoid: Sequence[Disc]) -> Regions:
-        return Regions(PLANNER.grid, PLANNER.lattice, avoid)
-
-    def standing_room(self, robot: Robot) -> np.ndarray:
-        return np.array([robot.path.points[0]])
 
 
 def test_every_wish_is_made_once_and_then_it_ends() -> None:

@@ -13,7 +13,9 @@ import numpy as np
 from social_fleet.coordination.conflict_regions import Links, cut_into_links
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import KINDS
-from social_fleet.coordination.window_rows import WindowRows, window_rows
+from social_fleet.coordination.window_rows import STAIR, WindowRows, window_rows
+
+_LEAST = 0.04  # what two discs keep that got closer than they should [m]
 
 
 @dataclass(frozen=True)
@@ -113,9 +115,10 @@ class EncounterFinder:
         self._remember([r, s])
         names = r.name, s.name
         if names not in self._known:
-            links, distance = (self._links_of(r), self._links_of(s)), self.safety_distance(r, s)
             # where one lets others pass, no mark may run ahead to beyond its stop
-            rows = window_rows(*links, distance, stair=0.0) if r.stops or s.stops else window_rows(*links, distance)
+            rows = window_rows(self._links_of(r), self._links_of(s), self.safety_distance(r, s),
+                               stair=0.0 if r.stops or s.stops else STAIR, committed=_commitments(r, s),
+                               least=r.body_radius + s.body_radius + _LEAST)
             self._known[names] = tuple(_encounters(rows))
         return self._known[names]
 
@@ -133,7 +136,7 @@ class EncounterFinder:
 
     def _links_of(self, robot: Robot) -> Links:
         if robot.name not in self._links:
-            self._links[robot.name] = cut_into_links(robot.path)
+            self._links[robot.name] = cut_into_links(robot.path, border=robot.committed or 0.0)
         return self._links[robot.name]
 
     def _forget(self, name: str) -> None:
@@ -152,6 +155,13 @@ class EncounterFinder:
         gaps = np.maximum(np.maximum(lows[rows] - highs[columns], lows[columns] - highs[rows]), 0.0)
         near = np.hypot(gaps[:, 0], gaps[:, 1]) < reach[rows] + reach[columns]
         return list(zip(rows[near].tolist(), columns[near].tolist()))
+
+
+def _commitments(r: Robot, s: Robot) -> Optional[Tuple[float, float]]:
+    """What two robots are committed to [m]; None when neither is under way."""
+    if r.committed is None and s.committed is None:
+        return None
+    return r.committed or 0.0, s.committed or 0.0
 
 
 def _encounters(rows: WindowRows) -> Iterator[Encounter]:

@@ -99,7 +99,8 @@ class Repairs:
     def _taking_turns(self, planned: Sequence[Robot], fleet: Sequence[Robot]) -> Optional[List[Robot]]:
         """All on paths that they could drive one after the other; tried once for the same robots."""
         names = frozenset(robot.name for robot in planned)
-        if names == self._took_turns:
+        under_way = any(robot.committed is not None for robot in planned)
+        if names == self._took_turns or under_way or not self._replanner.leads_anywhere:
             return None
         self._took_turns = names
         asked = [self._asked[robot.name] for robot in planned]

@@ -8,11 +8,14 @@ import numpy as np
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import InvalidPose, NoPath
 from social_fleet.geometry import Polyline, Pose
+from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.overlays.discs import Disc
+from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.regions import Regions
 
+_RASTER = 0.3  # spacing of places to stand [m]
 _SPACING = 1.5  # between places aside that are tried [m]
 _SAMPLES = 0.1  # spacing of the points that stand for a path [m]
 _PLACES = 6  # places aside that are tried for one robot
@@ -20,7 +23,15 @@ _ASIDE_REACH = 25.0  # how far from its start a robot steps aside at most, as th
 
 
 class Replanner:
-    """What repair needs of a planner; `PlannerReplanner` searches in this process."""
+    """What repair needs of a planner; `PlannerReplanner` searches in this process.
+
+    Attributes
+    ----------
+    leads_anywhere : bool
+        Whether it has `way`, `regions` and `standing_room`, which fleets that take turns need.
+    """
+
+    leads_anywhere = False
 
     def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
         """`robot` with a path whose centre line keeps out of the discs; None when there is none."""
@@ -50,10 +61,15 @@ class PlannerReplanner(Replanner):
     ----------
     planner_for : callable
         The planner for robots of a radius [m].
+    overlays : OverlaySet, mapping of names to shapes, or sequence of shapes
+        Obstacles that the map does not hold.
     """
 
-    def __init__(self, planner_for: Callable[[float], SocialPlanner]) -> None:
+    leads_anywhere = True
+
+    def __init__(self, planner_for: Callable[[float], SocialPlanner], *, overlays: Overlays = ()) -> None:
         self._planner_for = planner_for
+        self._overlays = overlays
         self._room: Dict[float, np.ndarray] = {}
 
     def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
@@ -84,15 +100,17 @@ class PlannerReplanner(Replanner):
         """See `Replanner`."""
         radius = robot.body_radius
         if radius not in self._room:
-            space = self._planner_for(radius).space
-            stride = max(1, int(round(0.3 / space.grid.resolution)))
-            rows, columns = np.nonzero(space.free[::stride, ::stride])
-            self._room[radius] = space.grid.centres(np.stack((rows, columns), axis=1) * stride)
+            self._room[radius] = _raster(self._planner_for(radius).way)
         return self._room[radius]
 
     def _places(self, robot: Robot, others: Sequence[Robot], distance: float) -> List[Tuple[float, float]]:
         """Free places near the robot's start that keep clear of the others' paths, nearest first, apart."""
-        places = self.standing_room(robot)
+        return (self._nearest(self.standing_room(robot), robot, others, distance)
+                or self._nearest(_raster(self._planner_for(robot.body_radius).space), robot, others, distance))
+
+    @staticmethod
+    def _nearest(places: np.ndarray, robot: Robot, others: Sequence[Robot],
+                 distance: float) -> List[Tuple[float, float]]:
         reach = np.hypot(*(places - robot.path.points[0]).T)
         places, reach = places[reach < _ASIDE_REACH], reach[reach < _ASIDE_REACH]
         clear = clear_of(places, [other.path for other in others], distance)
@@ -108,9 +126,16 @@ class PlannerReplanner(Replanner):
     def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
               avoid: Sequence[Disc]) -> Optional[Plan]:
         try:
-            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid)
+            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid, overlays=self._overlays)
         except (NoPath, InvalidPose):
             return None
+
+
+def _raster(space: ConfigurationSpace) -> np.ndarray:
+    """Where a robot fits, coarsely (M, 2) [m]."""
+    stride = max(1, int(round(_RASTER / space.grid.resolution)))
+    rows, columns = np.nonzero(space.free[::stride, ::stride])
+    return space.grid.centres(np.stack((rows, columns), axis=1) * stride)
 
 
 def clear_of(places: np.ndarray, ways: Sequence[Polyline], distance: float) -> np.ndarray:

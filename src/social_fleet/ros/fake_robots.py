@@ -162,7 +162,7 @@ class FakeRobots:
             self._clock.publish(Clock(stamp))
         if self._due(self._config.tf_rate):
             for name, topics in self._robots.items():
-                topics.estimate = self._world.localise(name)
+                topics.estimate = self._world.localise(name) or topics.estimate  # lost: what it last knew
             self._fleet.publish_transforms(stamp, self._robots.values())
         if self._due(self._config.pose_rate):
             for topics in self._robots.values():

@@ -10,7 +10,7 @@ from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.simulation.clock import TickClock
 from social_fleet.simulation.config import SimulationConfig
-from social_fleet.simulation.faults import CircleObstacle, Fault, speed_share
+from social_fleet.simulation.faults import DISPATCHER, CircleObstacle, Fault, active, pose_shift, speed_share
 from social_fleet.simulation.lidar import Lidar
 from social_fleet.simulation.localisation import Localisation
 from social_fleet.simulation.robot import DifferentialDriveRobot
@@ -55,7 +55,7 @@ class World:
                                                   name=name) for name in self.robots}
         self._faults: Dict[str, List[Fault]] = {}
         for fault in faults:
-            if fault.robot not in self.robots:
+            if fault.robot not in self.robots and fault.robot != DISPATCHER:
                 raise InvalidScenario(f"there is no robot {fault.robot}; known are {', '.join(self.robots)}",
                                       field="faults")
             self._faults.setdefault(fault.robot, []).append(fault)
@@ -73,14 +73,26 @@ class World:
     def step(self) -> float:
         """Let one period pass; the new time [s]."""
         for name, faults in self._faults.items():
-            self.robots[name].speed_share = speed_share(faults, name, self.clock.now)
+            if name in self.robots:
+                self.robots[name].speed_share = speed_share(faults, name, self.clock.now)
         for robot in self.robots.values():
             robot.step(self.clock.period)
         return self.clock.advance()
 
-    def localise(self, name: str) -> Pose:
-        """Where robot `name` takes itself to be [m, rad, map frame]; ask once per period."""
-        return self._localisations[name].estimate(self.robots[name].pose, self.clock.period)
+    def localise(self, name: str) -> Optional[Pose]:
+        """Where robot `name` takes itself to be [m, rad, map frame], None when it does not know; ask once per period.
+        """
+        pose = self._localisations[name].estimate(self.robots[name].pose, self.clock.period)
+        for fault in self._faults.get(name, ()):
+            if fault.kind == "lost" and fault.active(self.clock.now):
+                return None
+            dx, dy = pose_shift(fault, self.clock.now)
+            pose = Pose(pose.x + dx, pose.y + dy, pose.yaw) if dx or dy else pose
+        return pose
+
+    def befalls(self, name: str, *kinds: str) -> bool:
+        """Whether a fault of these kinds befalls the robot, or the dispatcher, now."""
+        return name in self._faults and active(self._faults[name], self.clock.now, *kinds)
 
     def poses(self) -> np.ndarray:
         """True poses [m, rad, map frame], shape (R, 3), in the robots' order."""
