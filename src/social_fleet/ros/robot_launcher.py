@@ -1,4 +1,4 @@
-"""The node robot_launcher: one trajectory_tracker process per robot of a scenario, which a launch file cannot list."""
+"""The node robot_launcher: tracker and navigator of every robot of a scenario, which no launch file can list."""
 
 import os
 import signal
@@ -12,21 +12,30 @@ import rospy
 from social_fleet.errors import InvalidParameter
 from social_fleet.ros import parameters
 from social_fleet.ros.paths import resolve_path
-from social_fleet.scenario.files import load_scenario
+from social_fleet.scenario.files import RobotSpec, load_scenario
 
-_GRACE = 5.0  # [s] of wall time that a tracker has to end
+_GRACE = 5.0  # [s] of wall time that a process has to end
+_LIMITS = ("max_acceleration", "max_turn_rate", "max_turn_acceleration")
+_SHARED = {
+    "trajectory_tracker": (("schedule", "fleet/schedules"), ("fleet/progress", "fleet/progress"),
+                           ("fleet/following", "fleet/following"), ("fleet/waiting", "fleet/waiting")),
+    "navigator": tuple((name, name) for name in (
+        "fleet/schedules", "fleet/following", "fleet/navigation", "social_planner/plan_path",
+        "fleet_coordinator/coordinate")),
+}  # what a node calls them, and what is shared by all robots
 
 
 @dataclass(frozen=True)
 class RobotLauncherParameters:
-    """Parameters of the node; `tracker` beside them is a mapping of parameters for every tracker."""
+    """Parameters of the node; `tracker` and `navigator` beside them are mappings of parameters for all of these."""
 
     scenario: str = ""  # a scenario file whose robots get trackers
     robots: Tuple[str, ...] = ()  # names of further robots
+    navigators: bool = False  # start a navigator for each, too
 
 
 class RobotLauncher:
-    """Starts trackers in the robots' namespaces below its own, and ends them with itself.
+    """Starts trackers and navigators in the robots' namespaces below its own, and ends them with itself.
 
     The processes stay in its process group, so that whatever ends it by force ends them, too.
 
@@ -37,37 +46,39 @@ class RobotLauncher:
     def __init__(self) -> None:
         config, others = parameters.split_private(RobotLauncherParameters)
         prefix = parameters.private_prefix()
-        tracker = others.pop("tracker", {})
+        given = {"trajectory_tracker": others.pop("tracker", {}), "navigator": others.pop("navigator", {})}
         if others:
             raise InvalidParameter("there is no such parameter", field=prefix + sorted(others)[0])
-        names = list(config.robots)
+        robots: Dict[str, Dict[str, Any]] = {name: {} for name in config.robots}
         if config.scenario:
-            names += [robot.name for robot in load_scenario(resolve_path(config.scenario)).robots]
-        if not names:
+            robots.update((spec.name, _body(spec)) for spec in load_scenario(resolve_path(config.scenario)).robots)
+        if not robots:
             raise InvalidParameter("names no robot; name robots or a scenario file", field=f"{prefix}robots")
-        self._processes: Dict[str, subprocess.Popen] = {}
+        self._processes: Dict[Tuple[str, str], subprocess.Popen] = {}
         rospy.on_shutdown(self._end)
-        for name in names:
-            self._start(name, tracker)
+        for name, body in robots.items():
+            self._start(name, "trajectory_tracker", {
+                **given["trajectory_tracker"], **{key: value for key, value in body.items() if key == "radius"}})
+            if config.navigators:
+                self._start(name, "navigator", {**given["navigator"], **body})
 
-    def _start(self, name: str, tracker: Dict[str, Any]) -> None:
-        namespace = rospy.resolve_name(name)
-        if tracker:
-            rospy.set_param(f"{namespace}/trajectory_tracker", tracker)
-        executable = os.path.join(os.path.dirname(os.path.abspath(sys.argv[0])), "trajectory_tracker")
-        shared = [f"{topic}:={rospy.resolve_name(target)}" for topic, target in (
-            ("schedule", "fleet/schedules"), ("fleet/progress", "fleet/progress"))]
-        self._processes[name] = subprocess.Popen(
-            [sys.executable, executable, f"__ns:={namespace}", "__name:=trajectory_tracker", *shared])
+    def _start(self, robot: str, node: str, values: Dict[str, Any]) -> None:
+        namespace = rospy.resolve_name(robot)
+        if values:
+            rospy.set_param(f"{namespace}/{node}", values)
+        executable = os.path.join(os.path.dirname(os.path.abspath(sys.argv[0])), node)
+        shared = [f"{topic}:={rospy.resolve_name(target)}" for topic, target in _SHARED[node]]
+        self._processes[robot, node] = subprocess.Popen(
+            [sys.executable, executable, f"__ns:={namespace}", f"__name:={node}", *shared])
 
     def spin(self) -> int:
-        """Watch the trackers until shutdown; each that ends before is told of once."""
-        gone: List[str] = []
+        """Watch the processes until shutdown; each that ends before is told of once."""
+        gone: List[Tuple[str, str]] = []
         while not rospy.is_shutdown():
-            for name, process in self._processes.items():
-                if process.poll() is not None and name not in gone and not rospy.is_shutdown():
-                    gone.append(name)
-                    rospy.logerr("the tracker of robot %s ended with code %d", name, process.returncode)
+            for (robot, node), process in self._processes.items():
+                if process.poll() is not None and (robot, node) not in gone and not rospy.is_shutdown():
+                    gone.append((robot, node))
+                    rospy.logerr("the %s of robot %s ended with code %d", node, robot, process.returncode)
             rospy.rostime.wallsleep(0.2)
         return 0
 
@@ -80,3 +91,8 @@ class RobotLauncher:
                 process.wait(_GRACE)
             except subprocess.TimeoutExpired:
                 process.kill()
+
+
+def _body(spec: RobotSpec) -> Dict[str, Any]:
+    """What a scenario says of a robot's body."""
+    return {"radius": spec.radius, **{name: getattr(spec, name) for name in _LIMITS if getattr(spec, name)}}
