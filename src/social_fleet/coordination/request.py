@@ -53,6 +53,9 @@ def _check_apart(robots: Sequence[Robot], end: int, what: str, tolerance: float,
     radii = np.array([robot.body_radius for robot in robots])
     rows, columns = np.triu_indices(len(robots), 1)
     rows, columns = rows[rows < planned], columns[rows < planned]
+    if end == 0:  # robots under way are where they are
+        waiting = np.array([robot.committed is None for robot in robots])
+        rows, columns = rows[waiting[rows] & waiting[columns]], columns[waiting[rows] & waiting[columns]]
     apart = np.hypot(*(points[rows] - points[columns]).T)
     needed = radii[rows] + radii[columns] + 2.0 * tolerance
     for pair in np.flatnonzero(apart < needed)[:1]:
