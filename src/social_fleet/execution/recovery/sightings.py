@@ -1,0 +1,46 @@
+"""What the fleet has seen that the map does not hold, until somebody sees it gone."""
+
+import math
+from typing import Dict, Iterable, Mapping
+
+from social_fleet.execution.recovery.messages import Report
+from social_fleet.planning.overlays.shapes import DiscObstacle
+
+_SAME = 0.3  # discs whose centres are this close, or that overlap by half, are one [m]
+
+
+class Sightings:
+    """All robots' obstacles under one roof.
+
+    Attributes
+    ----------
+    obstacles : dict of str to DiscObstacle
+        By name.
+    version : int
+        Grows whenever one comes, goes or changes.
+    """
+
+    def __init__(self) -> None:
+        self.obstacles: Dict[str, DiscObstacle] = {}
+        self.version = 0
+        self._cleared_at: Dict[str, float] = {}
+
+    def hear(self, report: Report) -> None:
+        """Take in what a robot sees, and what it sees gone."""
+        found = dict(self.obstacles)
+        for name in report.cleared:
+            if found.pop(name, None) is not None:
+                self._cleared_at[name] = report.stamp
+        for name, shape in report.obstacles.items():
+            if report.stamp > self._cleared_at.get(name, -math.inf) and name not in report.cleared:
+                found[name] = shape
+        if found != self.obstacles:
+            self.obstacles = found
+            self.version += 1
+
+    def beside(self, reports: Iterable[Report]) -> Mapping[str, DiscObstacle]:
+        """The obstacles that are no robot of those that report."""
+        places = [(report.pose, report.body.radius) for report in reports]
+        return {name: shape for name, shape in self.obstacles.items() if not any(
+            pose is not None and math.hypot(pose.x - shape.x, pose.y - shape.y) < radius + _SAME
+            for pose, radius in places)}
