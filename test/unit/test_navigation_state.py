@@ -3,155 +3,157 @@
 import pytest
 
 from social_fleet.errors import InvalidParameter
-from social_fleet.execution.navigation_state import Errand, Navigation, NavigationConfig, NavigationState, RobotNews
+from social_fleet.execution.navigation_state import Navigation, NavigationConfig, NavigationState, Order, RobotNews
 from social_fleet.geometry import Pose
 
 GOAL, OTHER = Pose(5.0, 1.0, 0.0), Pose(1.0, 5.0, 1.57)
-STANDS, DRIVES = RobotNews(0, True, False), RobotNews(7, False, False)
-CONFIG = NavigationConfig(patience=10.0, blocked_patience=30.0, retry_period=1.0)
+CONFIG = NavigationConfig(patience=10.0, waiting_patience=30.0, retry_period=1.0)
+DRIVES, ARRIVED = RobotNews(7), RobotNews(7, arrived=True)
+BLOCKED = RobotNews(7, reason="gold has no way to its goal")
 
 
 def planning() -> Navigation:
-    """A robot that stands, with a goal that is being planned for at 0 s."""
+    """A goal, number 7, that the planner was asked about at 0 s."""
     navigation = Navigation(CONFIG)
-    navigation.hear(STANDS, 0.0)
-    navigation.accept(GOAL, 0.0)
-    navigation.hear(STANDS, 0.0)
-    assert navigation.errand is Errand.PLAN
+    navigation.hear(RobotNews(), 0.0)
+    navigation.accept(GOAL, 7, 0.0)
+    assert navigation.wants_path and navigation.order is None
     return navigation
 
 
-def driving(version: int = 7) -> Navigation:
-    """A robot that drives to its goal at 1 s."""
+def driving() -> Navigation:
+    """A robot that drives to it at 2 s."""
     navigation = planning()
-    assert navigation.planned(navigation.number, 0.5)
-    assert navigation.errand is Errand.COORDINATE
-    assert navigation.scheduled(navigation.number, version, 1.0)
-    assert not navigation.holds
+    navigation.planned(7, 1.0)
+    assert navigation.state is NavigationState.COORDINATING and navigation.order == Order(7, GOAL)
+    navigation.hear(RobotNews(6), 1.5)
+    assert navigation.state is NavigationState.COORDINATING
+    navigation.hear(DRIVES, 2.0)
+    assert navigation.state is NavigationState.DRIVING
     return navigation
 
 
 def test_there_is_nothing_to_do_without_a_goal() -> None:
     navigation = Navigation()
-    navigation.hear(DRIVES, 1.0)
-    assert (navigation.state, navigation.errand, navigation.holds) == (NavigationState.IDLE, Errand.NOTHING, False)
+    navigation.hear(ARRIVED, 1.0)
+    navigation.cancel(1.0)
+    assert (navigation.state, navigation.order, navigation.wants_path) == (NavigationState.IDLE, None, False)
 
 
 def test_a_goal_is_planned_coordinated_driven_and_reached() -> None:
     navigation = driving()
-    navigation.hear(RobotNews(6, True, True), 1.0)
-    assert navigation.state is NavigationState.DRIVING, "it stands at the end of an earlier schedule"
     navigation.hear(DRIVES, 5.0)
-    navigation.hear(RobotNews(7, True, True), 9.0)
-    assert (navigation.state, navigation.errand, navigation.since) == (NavigationState.SUCCEEDED, Errand.NOTHING, 9.0)
+    navigation.hear(ARRIVED, 9.0)
+    assert (navigation.state, navigation.since, navigation.order) == (NavigationState.SUCCEEDED, 9.0, Order(7, GOAL))
 
 
-def test_a_robot_that_drives_stops_before_it_is_planned_for() -> None:
+def test_standing_at_the_end_of_an_earlier_schedule_is_no_arrival() -> None:
+    navigation = planning()
+    navigation.planned(7, 1.0)
+    navigation.hear(RobotNews(6, arrived=True), 1.0)
+    assert navigation.state is NavigationState.COORDINATING
+
+
+def test_the_robot_goes_on_to_the_old_goal_until_there_is_a_path_to_the_new_one() -> None:
     navigation = driving()
-    navigation.hear(DRIVES, 2.0)
-    navigation.accept(OTHER, 2.0)
-    navigation.hear(DRIVES, 2.1)
-    assert (navigation.state, navigation.errand, navigation.holds) == (NavigationState.STOPPING, Errand.NOTHING, True)
-    navigation.hear(STANDS, 3.0, busy=True)
-    assert navigation.state is NavigationState.STOPPING, "a schedule may still come into force"
-    navigation.hear(STANDS, 3.0)
-    assert (navigation.state, navigation.goal) == (NavigationState.PLANNING, OTHER)
+    navigation.accept(OTHER, 8, 3.0)
+    assert navigation.order == Order(7, GOAL)
+    navigation.hear(DRIVES, 3.1)
+    assert navigation.state is NavigationState.PLANNING
+    navigation.planned(8, 3.5)
+    assert navigation.order == Order(8, OTHER)
+    navigation.hear(DRIVES, 3.6)
+    assert navigation.state is NavigationState.COORDINATING
+    navigation.hear(RobotNews(8), 4.0)
+    assert navigation.state is NavigationState.DRIVING
 
 
 def test_answers_to_an_earlier_goal_change_nothing() -> None:
     navigation = planning()
-    former = navigation.number
-    navigation.accept(OTHER, 1.0)
-    assert not navigation.planned(former, 1.0)
-    navigation.refused(former, 1.0, "too late", final=True)
-    assert navigation.state is NavigationState.STOPPING
-    assert not navigation.scheduled(former, 7, 1.0)
-    assert navigation.state is NavigationState.STOPPING and navigation.holds
+    navigation.accept(OTHER, 8, 1.0)
+    navigation.planned(7, 1.0)
+    navigation.refused(7, 1.0, "too late", final=True)
+    assert (navigation.state, navigation.order) == (NavigationState.PLANNING, None)
 
 
 def test_a_goal_that_is_wrong_is_given_up_at_once_and_the_next_one_runs() -> None:
-    navigation = planning()
-    navigation.refused(navigation.number, 1.0, "in a wall", final=True)
-    assert (navigation.state, navigation.reason, navigation.holds) == (NavigationState.ABORTED, "in a wall", False)
-    navigation.accept(OTHER, 2.0)
-    navigation.hear(STANDS, 2.0)
-    assert (navigation.errand, navigation.reason) == (Errand.PLAN, "")
+    navigation = driving()
+    navigation.accept(OTHER, 8, 3.0)
+    navigation.refused(8, 3.0, "in a wall", final=True)
+    assert (navigation.state, navigation.reason) == (NavigationState.ABORTED, "in a wall")
+    assert navigation.order == Order(8, None), "the robot stays where it is"
+    navigation.accept(GOAL, 9, 4.0)
+    assert navigation.wants_path and navigation.reason == ""
 
 
-def test_what_is_refused_is_tried_again_until_patience_ends() -> None:
-    navigation, now, attempts = planning(), 0.0, 0
+def test_a_planner_that_is_not_ready_is_asked_again_until_patience_ends() -> None:
+    navigation, now, asked = planning(), 0.0, 0
     while navigation.active and now < 60.0:
-        if navigation.errand is Errand.PLAN:
-            attempts += 1
-            navigation.refused(navigation.number, now, "occupied")
-        navigation.hear(STANDS, now)
-        now += 0.5
-    assert navigation.state is NavigationState.ABORTED
-    assert 10.0 <= navigation.since <= 11.0
-    assert 7 <= attempts <= 11
+        if navigation.wants_path:
+            asked += 1
+            navigation.refused(7, now, "no map has come yet", final=False)
+        navigation.hear(RobotNews(), now)
+        now += 0.25
+    assert (navigation.state, navigation.reason) == (NavigationState.ABORTED, "no map has come yet")
+    assert 10.0 <= navigation.since <= 11.5
+    assert 8 <= asked <= 12
+
+
+def test_a_planner_that_becomes_ready_is_enough() -> None:
+    navigation = planning()
+    navigation.refused(7, 0.0, "no map has come yet", final=False)
+    navigation.hear(RobotNews(), 1.5)
+    navigation.planned(7, 2.0)
+    assert (navigation.state, navigation.reason) == (NavigationState.COORDINATING, "")
 
 
 @pytest.mark.parametrize("state", ["planning", "coordinating", "driving", "waiting"])
 def test_a_goal_can_be_taken_back_at_any_time(state: str) -> None:
-    navigation = driving() if state == "driving" else planning()
+    navigation = driving() if state in ("driving", "waiting") else planning()
     if state == "coordinating":
-        navigation.planned(navigation.number, 1.0)
+        navigation.planned(7, 1.0)
     if state == "waiting":
-        navigation.refused(navigation.number, 1.0, "occupied")
-    navigation.cancel(2.0)
+        navigation.hear(BLOCKED, 3.0)
+    navigation.cancel(4.0)
     assert navigation.state is NavigationState.CANCELED
-    navigation.hear(DRIVES, 2.0)
-    assert navigation.errand is Errand.NOTHING
-    navigation.hear(RobotNews(7, True, False), 3.0)
-    assert (navigation.errand is Errand.PARK) is navigation.holds is (state == "driving")
-    navigation.parked(4.0)
-    assert (navigation.errand, navigation.holds) == (Errand.NOTHING, False)
+    assert navigation.order == (None if state == "planning" else Order(7, None))
+    navigation.hear(DRIVES, 5.0)
+    assert navigation.state is NavigationState.CANCELED
 
 
-def test_a_schedule_that_comes_after_all_is_not_driven() -> None:
-    navigation = planning()
-    navigation.planned(navigation.number, 1.0)
-    former = navigation.number
-    navigation.cancel(1.0)
-    navigation.scheduled(former, 7, 2.0)
-    navigation.hear(RobotNews(7, True, False), 2.0)
-    assert navigation.holds and navigation.errand is Errand.PARK
-
-
-def test_a_robot_in_trouble_gets_another_path() -> None:
+def test_what_the_fleet_cannot_serve_now_is_waited_for() -> None:
     navigation = driving()
-    navigation.hear(RobotNews(7, True, False, trouble="off its way"), 5.0)
-    assert (navigation.errand, navigation.replans, navigation.reason) == (Errand.PLAN, 1, "off its way")
-    navigation.refused(navigation.number, 6.0, "no path", final=True)
-    assert navigation.state is NavigationState.WAITING, "what was possible before may be so again"
-    navigation.hear(RobotNews(7, True, False, trouble="off its way"), 8.0)
-    assert navigation.errand is Errand.PLAN
-
-
-def test_a_robot_that_is_blocked_keeps_its_schedule_while_there_is_no_other_way() -> None:
-    navigation, now = driving(), 5.0
-    blocked = RobotNews(7, True, False, blocked="something is in the way")
-    while navigation.active and now < 100.0:
-        navigation.hear(blocked, now)
-        if navigation.errand is Errand.PLAN:
-            assert navigation.holds
-            navigation.refused(navigation.number, now, "no path round it", final=True)
-            assert navigation.state is not NavigationState.DRIVING or not navigation.holds
-        now += 0.5
-    assert (navigation.state, navigation.reason) == (NavigationState.ABORTED, "no path round it")
-    assert 30.0 <= navigation.since - 5.0 <= 32.0
-
-
-def test_a_way_that_is_free_again_makes_patience_begin_anew() -> None:
-    navigation = driving()
-    blocked = RobotNews(7, True, False, blocked="something is in the way")
-    navigation.hear(blocked, 5.0)
-    navigation.refused(navigation.number, 5.0, "no path round it")
+    navigation.hear(BLOCKED, 5.0)
+    assert (navigation.state, navigation.reason) == (NavigationState.WAITING, BLOCKED.reason)
     navigation.hear(DRIVES, 20.0)
-    assert navigation.reason == ""
-    navigation.hear(blocked, 40.0)
-    navigation.refused(navigation.number, 40.0, "no path round it")
-    assert navigation.state is NavigationState.DRIVING
+    assert (navigation.state, navigation.reason) == (NavigationState.DRIVING, "")
+    navigation.hear(BLOCKED, 30.0)
+    navigation.hear(BLOCKED, 50.0)
+    assert navigation.state is NavigationState.WAITING, "patience has begun anew"
+
+
+def test_what_the_fleet_gives_up_is_aborted_with_its_reason() -> None:
+    navigation = driving()
+    navigation.hear(BLOCKED._replace(final=True), 5.0)
+    assert (navigation.state, navigation.reason, navigation.order) == (NavigationState.ABORTED, BLOCKED.reason,
+                                                                       Order(7, None))
+
+
+def test_nothing_is_waited_for_without_end() -> None:
+    navigation, now = driving(), 5.0
+    while navigation.active and now < 100.0:
+        navigation.hear(RobotNews(7, trouble="its tracker says nothing"), now)
+        now += 1.0
+    assert (navigation.state, navigation.since) == (NavigationState.ABORTED, 35.0)
+
+
+def test_a_fleet_that_does_not_answer_is_not_waited_for_without_end() -> None:
+    navigation, now = planning(), 1.0
+    navigation.planned(7, 1.0)
+    while navigation.active and now < 100.0:
+        navigation.hear(RobotNews(), now)
+        now += 1.0
+    assert navigation.state is NavigationState.ABORTED and "made room" in navigation.reason
 
 
 def test_parameters_are_checked() -> None:

@@ -1,31 +1,30 @@
 """The node navigator, one per robot: goals as move_base takes them, driven on coordinated schedules."""
 
-import math
 import threading
 import time
 from dataclasses import dataclass
-from functools import partial
-from typing import Callable, Optional
+from typing import Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import Pose2D, PoseStamped
 from nav_msgs.srv import GetPlan, GetPlanRequest, GetPlanResponse
-from std_msgs.msg import Bool
 
 from social_fleet.errors import InvalidInput
-from social_fleet.execution.navigation_state import Errand, Navigation, NavigationConfig, NavigationState, RobotNews
+from social_fleet.execution.navigation_state import Navigation, NavigationConfig, NavigationState, Order, RobotNews
+from social_fleet.execution.recovery.messages import Errand
 from social_fleet.geometry import Pose, compose
-from social_fleet.msg import NavigationStatus, PlannedPath, Progress, Schedule
+from social_fleet.msg import Errand as ErrandMessage, NavigationStatus, Progress, RobotReport
 from social_fleet.parameters import from_mapping, parameter
 from social_fleet.ros import conversions, parameters
+from social_fleet.ros.background import BackgroundWork
 from social_fleet.ros.diagnostics import Diagnostics, Health, Level
-from social_fleet.ros.errands import ErrandRefused, FleetErrands
+from social_fleet.ros.exchange_conversions import errand_to_message, pose_from_plane
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.goal_server import GoalServer
 from social_fleet.ros.identity import robot_name
+from social_fleet.ros.planner_client import NoAnswer, PlannerClient
 
 _LOOK = 0.1  # between two looks at what has come [s, wall time]
-_PARKING = 2.0  # between two attempts to have the fleet plan round a robot [s, wall time]
 _TF_PATIENCE = 2.0  # for the frame of a goal [s, wall time]
 
 
@@ -35,32 +34,27 @@ class NavigatorParameters:
 
     robot: str = ""  # the robot's name in schedules; empty: the last part of the node's namespace
     map_frame: str = "map"
-    radius: float = parameter(0.25, above=0.0)  # of the robot's disc while no path was planned for it [m]
-    max_acceleration: float = parameter(0.0, minimum=0.0)  # 0: as trackers have it [m/s^2]
-    max_turn_rate: float = parameter(0.0, minimum=0.0)  # [rad/s]
-    max_turn_acceleration: float = parameter(0.0, minimum=0.0)  # [rad/s^2]
-    time_limit: float = parameter(10.0, above=0.0)  # for the coordinator to find a schedule [s, wall time]
-    answer_limit: float = parameter(60.0, above=0.0)  # for any answer of planner and coordinator [s, wall time]
     feedback_rate: float = parameter(5.0, above=0.0)  # [Hz, wall time]
     news_timeout: float = parameter(3.0, above=0.0)  # without news from the tracker it counts as lost [s, wall time]
-    trouble_time: float = parameter(2.0, minimum=0.0)  # stopped for so long, a robot needs another path [s]
 
 
 class Navigator:
-    """Takes goals, has them planned and coordinated, lets the tracker drive, and reports.
+    """Takes goals, asks the planner for a path, hands them to the fleet, and reports what becomes of them.
+
+    The robot's tracker tells the coordinator of the goal, and drives the schedule that it gets for it.
 
     Subscribers
-        move_base_simple/goal (geometry_msgs/PoseStamped); progress (Progress): of this robot's tracker;
-        fleet/schedules, fleet/following (Schedule): what the others drive; tf, for goals in other frames.
+        move_base_simple/goal (geometry_msgs/PoseStamped); report (RobotReport): of this robot's tracker; tf, for goals
+        in other frames.
     Publishers
         current_goal (geometry_msgs/PoseStamped), latched; fleet/navigation (NavigationStatus), latched;
-        hold (std_msgs/Bool), latched: the tracker stands while it is true; /diagnostics.
+        errand (Errand), latched: what the tracker is to do; /diagnostics.
     Actions
         move_base (move_base_msgs/MoveBaseAction).
     Services
         ~make_plan, move_base/make_plan (nav_msgs/GetPlan): at any time; nobody drives these plans.
     Services called
-        social_planner/plan_path (PlanPath), fleet_coordinator/coordinate (Coordinate).
+        social_planner/plan_path (PlanPath).
     Parameters
         `NavigatorParameters`; those of `NavigationConfig`, see config/navigator.yaml.
     """
@@ -70,35 +64,31 @@ class Navigator:
         self._navigation = Navigation(from_mapping(NavigationConfig, others, prefix=parameters.private_prefix()))
         self.robot = robot_name(self._config.robot)
         self._wake = threading.Event()
-        self._progress: Optional[Progress] = None
+        self._lock = threading.Lock()  # of the navigation
+        self._report: Optional[RobotReport] = None
         self._heard = 0.0  # when the tracker last said anything [s, wall time]
-        self._stopped_since: Optional[float] = None
-        self._path: Optional[PlannedPath] = None
-        self._errand: Optional[_Errand] = None
-        self._told: tuple = ()
-        self._held = False
-        self._fed = self._parking_due = 0.0  # [s, wall time]
+        self._told: Tuple = ()
+        self._ordered: Optional[Order] = None
+        self._fed = 0.0  # [s, wall time]
         self._frames: Optional[Frames] = None  # made when first needed: /tf is busy
-        limits = {name: getattr(self._config, name)
-                  for name in ("max_acceleration", "max_turn_rate", "max_turn_acceleration")}
-        self._errands = FleetErrands(self.robot, self._config.map_frame, limits=limits,
-                                     time_limit=self._config.time_limit)
+        self._planner = PlannerClient(self.robot)
+        self._asking = BackgroundWork(self._ask_planner, "planning")
         self._current_goal = rospy.Publisher("current_goal", PoseStamped, latch=True, queue_size=1)
         self._status = rospy.Publisher("fleet/navigation", NavigationStatus, latch=True, queue_size=10)
-        self._hold = rospy.Publisher("hold", Bool, latch=True, queue_size=1)
+        self._errand = rospy.Publisher("errand", ErrandMessage, latch=True, queue_size=1)
         self._diagnostics = Diagnostics(self.robot, {"goal": self._diagnose})
-        rospy.Subscriber("progress", Progress, self._hear_progress, queue_size=10)
+        rospy.Subscriber("report", RobotReport, self._hear_report, queue_size=10)
         self._goals = GoalServer(self._wake.set)
         self._services = [rospy.Service(name, GetPlan, self._serve_make_plan)
                           for name in ("~make_plan", "move_base/make_plan")]
         rospy.on_shutdown(self._wake.set)
 
-    def _hear_progress(self, message: Progress) -> None:
-        self._progress, self._heard = message, time.monotonic()
+    def _hear_report(self, message: RobotReport) -> None:
+        self._report, self._heard = message, time.monotonic()
         self._wake.set()
 
     def spin(self) -> int:
-        """Look after the goals until shutdown; all that changes them happens in this thread."""
+        """Look after the goals until shutdown."""
         while not rospy.is_shutdown():
             self._look()
             self._wake.wait(_LOOK)
@@ -107,33 +97,41 @@ class Navigator:
         return 0
 
     def _look(self) -> None:
-        """Take in what has come, and do what is next."""
+        """Take in what has come, and tell what has come of it."""
         now = rospy.get_time()
-        self._take_goals(now)
-        if self._errand is not None and self._errand.over(self._config.answer_limit):
-            errand, self._errand = self._errand, None
-            errand.conclude(now)
-        self._navigation.hear(self._news(now), now, busy=self._errand is not None)
-        self._tell_ends()
-        self._begin_errand()
-        self._tell(now)
+        goal = self._take_goal()
+        with self._lock:
+            navigation = self._navigation
+            if goal is not None:
+                navigation.accept(goal, max(navigation.number + 1, int(1e3 * time.time())), now)
+            elif self._goals.taken_back:
+                navigation.cancel(now)
+            navigation.hear(self._news(), now)
+            if navigation.wants_path:
+                self._asking.request()
+            self._give_order()
+            self._tell_end()
+            self._tell_change()
+        self._feed_back()
         self._diagnostics.update()
 
-    def _take_goals(self, now: float) -> None:
+    def _take_goal(self) -> Optional[Pose]:
+        """A new goal [m, rad, map frame]; one that is unusable is refused, with whatever was before."""
         target = self._goals.take()
-        if target is not None:
-            try:
-                goal = self._in_map(target)
-            except InvalidInput as error:
-                self._navigation.cancel(now, "another goal took its place, which is unusable")
-                rospy.logwarn("%s: the goal is refused: %s", self.robot, error)
-                self._goals.abort(str(error))
-                return
-            rospy.loginfo("%s: goal (%.2f, %.2f, %.2f)", self.robot, *goal)
-            self._navigation.accept(goal, now)
-            self._current_goal.publish(conversions.pose_to_stamped(goal, self._config.map_frame, rospy.Time.now()))
-        if self._goals.taken_back:
-            self._navigation.cancel(now)
+        if target is None:
+            return None
+        try:
+            goal = self._in_map(target)
+        except InvalidInput as error:
+            with self._lock:
+                self._navigation.cancel(rospy.get_time(), "another goal took its place, which is unusable")
+                self._give_order()
+            rospy.logwarn("%s: the goal is refused: %s", self.robot, error)
+            self._goals.abort(str(error))
+            return None
+        rospy.loginfo("%s: goal (%.2f, %.2f, %.2f)", self.robot, *goal)
+        self._current_goal.publish(conversions.pose_to_stamped(goal, self._config.map_frame, rospy.Time.now()))
+        return goal
 
     def _in_map(self, target: PoseStamped) -> Pose:
         """The goal in the map's frame; raises InvalidInput."""
@@ -147,65 +145,49 @@ class Navigator:
             self._frames = Frames(self._config.map_frame)
         return compose(self._frames.await_pose_of(frame, _TF_PATIENCE), pose)
 
-    def _news(self, now: float) -> RobotNews:
-        """What the tracker says, and what its silence means."""
-        progress = self._progress
-        if progress is None or time.monotonic() - self._heard > self._config.news_timeout:
-            return RobotNews(0 if progress is None else progress.schedule_version, True, False,
-                             "its tracker says nothing")
-        standing = progress.speed == 0.0 and progress.turn_rate == 0.0
-        if progress.state != Progress.STOPPED or not standing:
-            self._stopped_since = None
-        elif self._stopped_since is None:
-            self._stopped_since = now
-        lasting = self._stopped_since is not None and now - self._stopped_since >= self._config.trouble_time
-        return RobotNews(progress.schedule_version, standing, progress.state == Progress.ARRIVED,
-                         progress.reason if lasting else "")
+    def _news(self) -> RobotNews:
+        """What the robot says, and what its silence means."""
+        report = self._report
+        if report is None or time.monotonic() - self._heard > self._config.news_timeout:
+            return RobotNews(trouble="its tracker says nothing")
+        trouble = report.trouble if report.state == Progress.STOPPED else ""
+        if report.blocked > self._config.news_timeout:
+            trouble = f"something in its way has kept it standing for {report.blocked:.0f} s"
+        return RobotNews(report.assigned, report.reason, report.final, report.state == Progress.ARRIVED, trouble)
 
-    def _begin_errand(self) -> None:
-        """Have done what the state asks for, in a thread of its own; one errand at a time."""
-        navigation, number = self._navigation, self._navigation.number
-        errand = navigation.errand
-        if self._errand is not None or errand is Errand.NOTHING:
+    def _ask_planner(self) -> None:
+        """In a thread of its own: whether there is a path for the present goal."""
+        with self._lock:
+            number, goal, wanted = self._navigation.number, self._navigation.goal, self._navigation.wants_path
+        if not wanted or goal is None:
             return
-        if errand is Errand.PARK and time.monotonic() < self._parking_due:
-            return
-        self._parking_due = time.monotonic() + _PARKING
-        start, goal, path = self._pose(), navigation.goal, self._path
-        if start is None:
-            navigation.refused(number, rospy.get_time(), "its pose is not known")
-        elif errand is Errand.PLAN and goal is not None:
-            self._errand = _Errand(partial(self._errands.plan, start, goal), partial(self._have_path, number),
-                                   partial(self._refused, number))
-        elif errand is Errand.COORDINATE and path is not None:
-            self._errand = _Errand(partial(self._errands.coordinate, path), partial(self._have_schedule, number),
-                                   partial(self._refused, number))
+        frame = self._config.map_frame
+        try:
+            start = self._pose()
+            if start is None:
+                raise NoAnswer("the robot's pose is not known")
+            self._planner.path(conversions.pose_to_stamped(start, frame), conversions.pose_to_stamped(goal, frame))
+        except NoAnswer as error:
+            with self._lock:
+                self._navigation.refused(number, rospy.get_time(), str(error), final=error.final)
         else:
-            radius = self._config.radius if path is None else path.radius
-            self._errand = _Errand(partial(self._errands.park, start, radius),
-                                   lambda schedule, now: navigation.parked(now), self._parking_refused)
-
-    def _have_path(self, number: int, path: PlannedPath, now: float) -> None:
-        if self._navigation.planned(number, now):
-            self._path = path
-
-    def _have_schedule(self, number: int, schedule: Schedule, now: float) -> None:
-        self._navigation.scheduled(number, schedule.version, now)
-
-    def _refused(self, number: int, error: ErrandRefused, now: float) -> None:
-        self._navigation.refused(number, now, str(error), final=error.final)
-
-    def _parking_refused(self, error: ErrandRefused, now: float) -> None:
-        rospy.logwarn_throttle(30.0, "%s: the fleet does not plan round it yet: %s" % (self.robot, error))
+            with self._lock:
+                self._navigation.planned(number, rospy.get_time())
+        self._wake.set()
 
     def _pose(self) -> Optional[Pose]:
-        """Where the tracker last measured the robot; None when that is not known."""
-        if self._progress is None or not math.isfinite(self._progress.pose.x):
-            return None
-        pose = self._progress.pose
-        return Pose(pose.x, pose.y, pose.theta)
+        """Where the robot last said to be; None when that is not known."""
+        return None if self._report is None else pose_from_plane(self._report.pose)
 
-    def _tell_ends(self) -> None:
+    def _give_order(self) -> None:
+        """Hand the robot's part of a change to its tracker."""
+        order = self._navigation.order
+        if order is not None and order != self._ordered:
+            self._ordered = order
+            errand = None if order.goal is None else Errand(order.number, tuple(order.goal))
+            self._errand.publish(errand_to_message(errand, order.number))
+
+    def _tell_end(self) -> None:
         """Tell the client when its goal is done with."""
         navigation = self._navigation
         if navigation.state is NavigationState.SUCCEEDED:
@@ -215,84 +197,47 @@ class Navigator:
         elif navigation.state is NavigationState.ABORTED:
             self._goals.abort(navigation.reason)
 
-    def _tell(self, now: float) -> None:
-        """Publish what has changed; feedback at its rate."""
+    def _tell_change(self) -> None:
+        """A message and a line for every change."""
         navigation = self._navigation
-        what = navigation.state, navigation.reason, navigation.version, navigation.goal
-        if what != self._told:
-            self._told = what
-            self._hold.publish(navigation.holds)
-            self._publish_status()
-            log = rospy.logwarn if navigation.state in (NavigationState.WAITING, NavigationState.ABORTED) \
-                else rospy.loginfo
-            log("%s: %s%s", self.robot, navigation.state.name.lower(),
-                f": {navigation.reason}" if navigation.reason else "")
-        elif navigation.holds != self._held:
-            self._hold.publish(navigation.holds)
-        self._held = navigation.holds
-        pose, progress = self._pose(), self._progress
-        due = time.monotonic() - self._fed >= 1.0 / self._config.feedback_rate
-        if due and pose is not None and progress is not None:
-            self._fed = time.monotonic()
-            self._goals.tell(pose, self._config.map_frame, progress.header.stamp)
-
-    def _publish_status(self) -> None:
-        navigation = self._navigation
+        version = 0 if self._report is None else self._report.schedule_version
+        if (navigation.number, navigation.state, navigation.reason, version) == self._told:
+            return
+        logged = (navigation.number, navigation.state) != self._told[:2]
+        self._told = navigation.number, navigation.state, navigation.reason, version
         message = NavigationStatus(robot=self.robot, state=int(navigation.state), reason=navigation.reason,
-                                   schedule_version=navigation.version, replans=navigation.replans)
+                                   number=navigation.number, schedule_version=version)
         message.header.stamp, message.header.frame_id = rospy.Time.from_sec(navigation.since), self._config.map_frame
         if navigation.goal is not None:
             message.goal = Pose2D(*navigation.goal)
         self._status.publish(message)
+        if logged:
+            bad = navigation.state in (NavigationState.WAITING, NavigationState.ABORTED)
+            (rospy.logwarn if bad else rospy.loginfo)(
+                "%s: %s%s", self.robot, navigation.state.name.lower(),
+                f": {navigation.reason}" if navigation.reason else "")
+
+    def _feed_back(self) -> None:
+        """Where the robot is, to the client."""
+        pose, report = self._pose(), self._report
+        due = time.monotonic() - self._fed >= 1.0 / self._config.feedback_rate
+        if due and pose is not None and report is not None:
+            self._fed = time.monotonic()
+            self._goals.tell(pose, self._config.map_frame, report.header.stamp)
 
     def _diagnose(self) -> Health:
         navigation = self._navigation
-        level = {NavigationState.WAITING: Level.WARN, NavigationState.ABORTED: Level.WARN}.get(
-            navigation.state, Level.OK)
-        return level, navigation.reason or navigation.state.name.lower(), {
-            "state": navigation.state.name, "schedule": navigation.version, "replans": navigation.replans}
+        bad = navigation.state in (NavigationState.WAITING, NavigationState.ABORTED)
+        return Level.WARN if bad else Level.OK, navigation.reason or navigation.state.name.lower(), {
+            "state": navigation.state.name, "goal": navigation.number, "since [s]": navigation.since}
 
     def _serve_make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
         """GetPlan has no field for a reason: the log has it. A start without a frame is where the robot is now."""
-        start = request.start
-        pose = self._pose()
+        start, pose = request.start, self._pose()
         if not start.header.frame_id and pose is not None:
             start = conversions.pose_to_stamped(pose, self._config.map_frame)
         try:
-            return GetPlanResponse(plan=self._errands.inquire(start, request.goal, request.tolerance))
-        except ErrandRefused as error:
+            return GetPlanResponse(plan=self._planner.path(start, request.goal, request.tolerance))
+        except NoAnswer as error:
             rospy.logwarn("%s: make_plan: %s", self.robot, error)
             return GetPlanResponse()
-
-
-class _Errand:
-    """A call that may take long, in a thread of its own."""
-
-    def __init__(self, call: Callable, done: Callable, refused: "Callable[[ErrandRefused, float], None]") -> None:
-        self._call, self._done, self._refused = call, done, refused
-        self._begun = time.monotonic()
-        self._ended = threading.Event()
-        self._conclusion: Callable[[float], None] = lambda now: refused(
-            ErrandRefused("planner or coordinator did not answer in time"), now)
-        threading.Thread(target=self._run, daemon=True).start()
-
-    def _run(self) -> None:
-        try:
-            answer = self._call()
-            self._conclusion = lambda now: self._done(answer, now)
-        except ErrandRefused as error:
-            reason = error
-            self._conclusion = lambda now: self._refused(reason, now)
-        except Exception as error:
-            rospy.logerr("a fault of the node itself: %s", error)
-            fault = ErrandRefused(f"a fault of the node itself: {error}", final=True)
-            self._conclusion = lambda now: self._refused(fault, now)
-        self._ended.set()
-
-    def over(self, limit: float) -> bool:
-        """Whether it has ended, or taken more than `limit` [s, wall time]."""
-        return self._ended.is_set() or time.monotonic() - self._begun > limit
-
-    def conclude(self, now: float) -> None:
-        """Hand on what has come of it."""
-        self._conclusion(now)
