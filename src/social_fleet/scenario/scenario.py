@@ -7,6 +7,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
 from social_fleet.simulation.faults import CircleObstacle, Fault
+from social_fleet.simulation.network import NetworkConfig
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,10 @@ class Scenario:
         Absolute path of the map's YAML file.
     planner : mapping
         Overrides of `PlannerConfig`.
+    network : NetworkConfig
+        How messages fare.
+    simulation : mapping
+        Overrides of `SimulationConfig`.
     source : str
         The file it came from; empty when made in memory.
     """
@@ -95,6 +100,8 @@ class Scenario:
     obstacles: Tuple[CircleObstacle, ...] = ()
     faults: Tuple[Fault, ...] = ()
     expect: Expect = Expect()
+    network: NetworkConfig = NetworkConfig()
+    simulation: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
 
     def __post_init__(self) -> None:

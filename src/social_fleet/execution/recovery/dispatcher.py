@@ -36,6 +36,8 @@ class Dispatcher:
 
     Attributes
     ----------
+    assignments : dict of str to Assignment
+        Those that are not confirmed yet.
     exchanges : int
         How many were opened.
     decisions : list of str
@@ -54,7 +56,7 @@ class Dispatcher:
         self._sightings = Sightings()
         self._exchange = 0  # the one that is open, or in force
         self._need: Optional[Need] = None  # of the one that waits for promises
-        self._assignments: Dict[str, Assignment] = {}
+        self.assignments: Dict[str, Assignment] = {}
         self._silent: FrozenSet[str] = frozenset()
         self._standing: FrozenSet[str] = frozenset()
         self._seen = 0
@@ -71,20 +73,20 @@ class Dispatcher:
 
     def step(self, now: float) -> Optional[Directive]:
         """What is to be said to all robots at `now` [s]; None when there is nothing new, nor time to say it again."""
-        before = self._exchange, len(self._assignments)
+        before = self._exchange, len(self.assignments)
         if self._need is not None:
             self._collect(now)
         else:
-            self._assignments = {name: given for name, given in self._assignments.items()
-                                 if self._charges[name].report.version < given.schedule.version}
+            self.assignments = {name: given for name, given in self.assignments.items()
+                                if self._charges[name].report.version < given.schedule.version}
             need = self._look(now)
             if need is not None:
                 self._open(need)
-        if before == (self._exchange, len(self._assignments)) and now - self._said < self.config.beat:
+        if before == (self._exchange, len(self.assignments)) and now - self._said < self.config.beat:
             return None
         self._said = now
         return Directive(now, {name: charge.report.stamp for name, charge in self._charges.items()}, self._exchange,
-                         dict(self._assignments), self._sightings.obstacles)
+                         dict(self.assignments), self._sightings.obstacles)
 
     def _live(self, now: float) -> List[Charge]:
         """Robots that are heard of."""
@@ -113,22 +115,25 @@ class Dispatcher:
 
     def _cause(self, charge: Charge, now: float) -> str:
         """Why a robot needs another path, as the end of a sentence; empty when it does not."""
-        report, given = charge.report, charge.given
+        report, given = charge.report, self.assignments.get(charge.name)
+        errand = report.errand.number if report.errand is not None else 0
+        if given is not None and given.session == report.session:
+            return "has a new goal" if errand > given.errand else ""
         if report.astray:
             return "stands off its path"
         if report.lapsed:
             return "was silent"
         if report.version == 0:
             return "has no schedule"
-        if report.version < self._exchange and report.name not in self._assignments:
+        if report.version < self._exchange:
             return "follows an old schedule"
-        if report.errand is not None and (given is None or given.errand != report.errand.number):
+        if errand > report.serving:
             return "has a new goal"
         if now - charge.replanned < self.config.retry * charge.pauses:
             return ""
-        if given is not None and given.reason and report.errand is not None:
+        if report.unserved and errand:
             changed = charge.circumstances != (self._sightings.version, self._silent, self._standing)
-            return "is tried again" if not given.final or changed else ""
+            return "is tried again" if not report.final or changed else ""
         if report.blocked >= self.config.obstacle_patience:
             return "has something in its way"
         return ""
@@ -137,7 +142,7 @@ class Dispatcher:
         """A replan for robots that are late, unless there was one for them just now."""
         schedules = {charge.name: charge.schedule for charge in live if charge.schedule is not None}
         late = [charge.name for charge in live if charge.is_culprit and now - charge.replanned >= charge.patience]
-        if len(schedules) < len(live) or not late:
+        if len(schedules) < len(live) or not late or self.assignments:
             return None
         return replan_for_delays({charge.name: charge.delay for charge in live}, late, schedules,
                                  {charge.name: charge.report.arc_length for charge in live})
@@ -147,7 +152,7 @@ class Dispatcher:
         self._exchange = 1 + max([self._exchange, *(max(charge.report.exchange, charge.report.version)
                                                     for charge in self._charges.values())])
         self._need = need
-        self._assignments = {}
+        self.assignments = {}
         self.exchanges += 1
         self.decisions.append(f"{need.mode}: {need.reason}")
         log.info("exchange %d, %s: %s", self._exchange, need.mode, need.reason)
@@ -166,9 +171,9 @@ class Dispatcher:
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
             silent=self._silent, give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
-        self._assignments = self._replanning.assignments(request)
+        self.assignments = self._replanning.assignments(request)
         for charge in live:
-            charge.give(self._assignments[charge.name], now, anew=charge.name in need.robots,
+            charge.give(self.assignments[charge.name], now, anew=charge.name in need.robots,
                         circumstances=(self._sightings.version, self._silent, self._standing))
         for name in need.robots:
             self.replans[name] = self.replans.get(name, 0) + 1

@@ -39,6 +39,10 @@ class Member:
         See `Report`; kept by whoever looks at the lidar.
     assignment : Assignment, optional
         What it follows.
+    exchange : int
+        The latest that it has given a promise for.
+    others : dict of str to Report
+        The latest of every other robot.
     bound : float
         The arc length that it does not pass for what it has promised [m].
     """
@@ -56,23 +60,27 @@ class Member:
         self.cleared: Tuple[str, ...] = ()
         self.bound = math.inf
         self.lapsed = False
-        self._exchange = 0
+        self.exchange = 0
         self._standing = False  # it has promised not to move at all
         self._asked = 0
         self._acknowledged = -math.inf
-        self._others: Dict[str, Tuple[int, ReportedProgress]] = {}
+        self.others: Dict[str, Report] = {}
         self._heard: Dict[str, ReportedProgress] = {}
         self._pose: Optional[Pose] = None
         self._astray_since = math.inf
         self._blocked_since = math.inf
         self._now = -math.inf
 
+    def greet(self, now: float) -> None:
+        """Count the dispatcher as heard of at `now` [s]: for a robot that was given its schedule by other means."""
+        self._acknowledged = max(self._acknowledged, now)
+
     def hear(self, directive: Directive) -> Optional[Assignment]:
         """Take in what the dispatcher says; the assignment that is taken up with it, if any."""
         self._acknowledged = max(self._acknowledged, directive.heard.get(self.name, -math.inf))
         self._asked = max(self._asked, directive.exchange)
         given = directive.assignments.get(self.name)
-        if (given is None or given.session != self.session or given.schedule.version != self._exchange
+        if (given is None or given.session != self.session or given.schedule.version != self.exchange
                 or given.schedule.version <= self.version):
             return None
         if self.tracker.schedule is None or self.astray:
@@ -86,13 +94,12 @@ class Member:
 
     def hear_report(self, report: Report) -> None:
         """Take in what another robot says; older news than known is passed over."""
-        known = self._others.get(report.name)
-        if report.name == self.name or (known is not None and (report.session, report.stamp) <= (known[0],
-                                                                                                known[1].stamp)):
+        known = self.others.get(report.name)
+        if report.name == self.name or (known is not None and (report.session, report.stamp)
+                                               <= (known.session, known.stamp)):
             return
-        news = ReportedProgress(report.version, report.arc_length, report.stamp)
-        self._others[report.name] = report.session, news
-        self._heard[report.name] = news
+        self.others[report.name] = report
+        self._heard[report.name] = ReportedProgress(report.version, report.arc_length, report.stamp)
 
     def step(self, now: float, pose: Optional[Pose], *, pose_stamp: Optional[float] = None,
              horizon: float = math.inf) -> Command:
@@ -112,7 +119,7 @@ class Member:
         command = self.tracker.step(now, pose, self._heard, pose_stamp=pose_stamp, horizon=min(horizon, self.bound),
                                     halt="it stands off its path and waits for another" if self._standing else "")
         self._watch(now, horizon, command)
-        if self._asked > self._exchange:
+        if self._asked > self.exchange:
             self._promise()
         return command
 
@@ -125,7 +132,7 @@ class Member:
             return
         else:
             self._standing = True
-        self._exchange = self._asked
+        self.exchange = self._asked
 
     def _watch(self, now: float, horizon: float, command: Command) -> None:
         """For how long the robot has been astray, and blocked."""
@@ -157,7 +164,9 @@ class Member:
 
     def report(self, now: float) -> Report:
         """What all others are to be told."""
-        tracker = self.tracker
+        tracker, given = self.tracker, self.assignment
+        serving, unserved, final = (0, "", False) if given is None else (given.errand, given.reason, given.final)
         return Report(self.name, self.session, now, self.body, self.version, tracker.progress, tracker.command.speed,
-                      tracker.state, self._pose, self._exchange, self.bound, self.lapsed, self.astray, self.errand,
-                      dict(self.obstacles), self.cleared, self.blocked, tracker.waiting_for, tracker.schedule)
+                      tracker.state, self._pose, self.exchange, self.bound, self.lapsed, self.astray, self.errand,
+                      serving, unserved, final, dict(self.obstacles), self.cleared, self.blocked, tracker.waiting_for,
+                      tracker.schedule)

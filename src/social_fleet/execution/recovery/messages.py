@@ -56,6 +56,12 @@ class Report:
         It stands off its path, and needs one that begins where it is.
     errand : Errand, optional
         What it is to do; None: stay where it is.
+    serving : int
+        Number of the errand that its schedule serves; 0 for none.
+    unserved : str
+        Why its schedule does not lead to the goal of that errand; empty when it does.
+    final : bool
+        It has given that errand up.
     obstacles : mapping of str to DiscObstacle
         What it has seen and the map does not hold, by names that are its own.
     cleared : tuple of str
@@ -82,6 +88,9 @@ class Report:
     lapsed: bool = False
     astray: bool = False
     errand: Optional[Errand] = None
+    serving: int = 0
+    unserved: str = ""
+    final: bool = False
     obstacles: Mapping[str, DiscObstacle] = field(default_factory=dict)
     cleared: Tuple[str, ...] = ()
     blocked: float = 0.0

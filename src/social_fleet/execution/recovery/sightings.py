@@ -1,7 +1,7 @@
 """What the fleet has seen that the map does not hold, until somebody sees it gone."""
 
 import math
-from typing import Dict, Iterable, Mapping
+from typing import Dict, Iterable, Mapping, Set
 
 from social_fleet.execution.recovery.messages import Report
 from social_fleet.planning.overlays.shapes import DiscObstacle
@@ -23,17 +23,15 @@ class Sightings:
     def __init__(self) -> None:
         self.obstacles: Dict[str, DiscObstacle] = {}
         self.version = 0
-        self._cleared_at: Dict[str, float] = {}
+        self._gone: Set[str] = set()
 
     def hear(self, report: Report) -> None:
         """Take in what a robot sees, and what it sees gone."""
         found = dict(self.obstacles)
         for name in report.cleared:
             if found.pop(name, None) is not None:
-                self._cleared_at[name] = report.stamp
-        for name, shape in report.obstacles.items():
-            if report.stamp > self._cleared_at.get(name, -math.inf) and name not in report.cleared:
-                found[name] = shape
+                self._gone.add(name)  # for good: who sees something there again gives it another name
+        found.update((name, shape) for name, shape in report.obstacles.items() if name not in self._gone)
         if found != self.obstacles:
             self.obstacles = found
             self.version += 1
