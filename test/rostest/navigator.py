@@ -15,10 +15,10 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseActionFeedback, MoveBaseG
 from nav_msgs.srv import GetPlan
 from support import Listener, service, stamped, wait_until
 
-from social_fleet.msg import NavigationStatus, Progress
+from social_fleet.msg import NavigationStatus, Progress, RobotReport
 
 START, FAR, NEAR = (2.0, 3.5), (27.0, 3.5), (9.0, 3.3)
-ARRIVAL = 60.0  # [s] of wall time for any drive
+ARRIVAL = 100.0  # [s] of wall time for any drive, and for what is compiled before the first
 
 
 class NavigatorTest(unittest.TestCase):
@@ -28,7 +28,7 @@ class NavigatorTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.client = actionlib.SimpleActionClient("blue/move_base", MoveBaseAction)
         cls.feedback = Listener("blue/move_base/feedback", MoveBaseActionFeedback)
-        cls.status, cls.progress = Listener("fleet/navigation", NavigationStatus), Listener("blue/progress", Progress)
+        cls.status, cls.progress = Listener("fleet/navigation", NavigationStatus), Listener("blue/report", RobotReport)
         cls.diagnostics = Listener("/diagnostics", DiagnosticArray)
         assert cls.client.wait_for_server(rospy.Duration(60.0)), "the action server did not come up"
         wait_until(lambda: cls.progress.messages, "the tracker")
@@ -45,7 +45,7 @@ class NavigatorTest(unittest.TestCase):
         return text
 
     def await_driving(self) -> None:
-        wait_until(lambda: self.progress.messages[-1].speed > 0.2, "blue to drive")
+        wait_until(lambda: self.progress.messages[-1].speed > 0.2, "blue to drive", ARRIVAL)
 
     def await_standing(self) -> None:
         wait_until(lambda: self.progress.messages[-1].speed == 0.0, "blue to stand")
@@ -110,7 +110,7 @@ class NavigatorTest(unittest.TestCase):
 
     def test_6_states_and_diagnostics_can_be_watched(self) -> None:
         seen = [message.state for message in self.status.messages if message.robot == "blue"]
-        for state in ("STOPPING", "PLANNING", "COORDINATING", "DRIVING", "SUCCEEDED", "CANCELED", "ABORTED"):
+        for state in ("PLANNING", "COORDINATING", "DRIVING", "SUCCEEDED", "CANCELED", "ABORTED"):
             self.assertIn(getattr(NavigationStatus, state), seen)
         names = {status.name for message in self.diagnostics.messages for status in message.status}
         self.assertLessEqual({"blue/navigator: goal", *(f"blue/trajectory_tracker: {part}" for part in (

@@ -27,7 +27,7 @@ SCHEDULE = Schedule(ROBOT, np.array([0.0, 3.0, 7.0]), np.array([-2.5, 4.0, 15.12
                     (Precedence(2.0, "blue", 3.5, 1700000000),), 1700000001, ("blue", "red"))
 REPORT = Report("gold", 1700000000123, 3.5, Body(0.3, MotionLimits(0.5, 0.4, 1.1, 2.2), 2.0), 1700000001, 1.5, 0.25,
                 ProgressState.HOLDING, Pose(1.5, 0.01, 0.5), 1700000002, math.inf, True, False, Errand(8, (4.0, 3.0)),
-                {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("b",), 2.5, Waiting("blue", 2.0, 3.5, 1.0))
+                7, "no way", True, {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("b",), 2.5, Waiting("blue", 2.0, 3.5, 1.0))
 
 
 def same(one: Schedule, other: Schedule) -> None:

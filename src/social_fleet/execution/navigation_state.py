@@ -1,6 +1,7 @@
 """What becomes of one robot's goals: an explicit state machine that knows neither ROS nor how anything is done.
 
-It is told what happens, and says whether a path is to be asked for (`wants_path`) and what the robot is to do (`order`).
+It is told what happens, and says whether a path is to be asked for (`wants_path`) and what the robot is to do
+(`order`).
 """
 
 import logging

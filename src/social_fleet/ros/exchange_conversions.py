@@ -96,7 +96,8 @@ def report_to_message(report: Report, frame: str, clock: FleetClock) -> RobotRep
         radius=report.body.radius, weight=report.body.weight, schedule_version=report.version,
         arc_length=report.arc_length, speed=report.speed, state=int(report.state), pose=plane_from_pose(report.pose),
         exchange=report.exchange, bound=report.bound, lapsed=report.lapsed, astray=report.astray,
-        errand=errand_to_message(report.errand), obstacles=obstacles_to_messages(report.obstacles),
+        errand=errand_to_message(report.errand), serving=report.serving, unserved=report.unserved, final=report.final,
+        obstacles=obstacles_to_messages(report.obstacles),
         cleared=list(report.cleared), blocked=report.blocked)
     for name in _LIMITS:
         setattr(message, name, getattr(report.body.limits, name))
@@ -117,17 +118,19 @@ def report_from_message(message: RobotReport, clock: FleetClock, schedule: Optio
     except ValueError as error:  # InvalidScenario is one, too
         raise InvalidInput(f"the report of {message.robot}: {error}") from error
     waiting = Waiting(message.waits_for, message.waits_at, message.waits_until, clock.seconds(message.waits_since))
-    return Report(message.robot, message.session, clock.seconds(message.header.stamp), body, message.schedule_version,
-                  message.arc_length, message.speed, state, pose_from_plane(message.pose), message.exchange,
-                  message.bound, message.lapsed, message.astray, errand_from_message(message.errand),
-                  obstacles_from_messages(message.obstacles), tuple(message.cleared), message.blocked,
-                  waiting if message.waits_for else None, schedule)
+    return Report(
+        message.robot, message.session, clock.seconds(message.header.stamp), body, message.schedule_version,
+        message.arc_length, message.speed, state, pose_from_plane(message.pose), message.exchange, message.bound,
+        message.lapsed, message.astray, errand_from_message(message.errand), message.serving, message.unserved,
+        message.final, obstacles_from_messages(message.obstacles), tuple(message.cleared), message.blocked,
+        waiting if message.waits_for else None, schedule)
 
 
 def report_from_progress(message: Progress, clock: FleetClock) -> Report:
-    """The part of a report that the other robots' gates need."""
+    """The part of a report that other robots need: for their gates, and to tell it from an obstacle."""
+    pose = pose_from_plane(message.pose) if message.header.frame_id else None
     return Report(message.robot, message.session, clock.seconds(message.header.stamp),
-                  version=message.schedule_version, arc_length=message.arc_length)
+                  Body(message.radius or Body.radius), message.schedule_version, message.arc_length, pose=pose)
 
 
 def directive_to_message(directive: Directive, frame: str, clock: FleetClock) -> DirectiveMessage:

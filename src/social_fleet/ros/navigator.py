@@ -68,6 +68,7 @@ class Navigator:
         self._report: Optional[RobotReport] = None
         self._heard = 0.0  # when the tracker last said anything [s, wall time]
         self._told: Tuple = ()
+        self._logged: Tuple = ()
         self._ordered: Optional[Order] = None
         self._fed = 0.0  # [s, wall time]
         self._frames: Optional[Frames] = None  # made when first needed: /tf is busy
@@ -153,7 +154,7 @@ class Navigator:
         trouble = report.trouble if report.state == Progress.STOPPED else ""
         if report.blocked > self._config.news_timeout:
             trouble = f"something in its way has kept it standing for {report.blocked:.0f} s"
-        return RobotNews(report.assigned, report.reason, report.final, report.state == Progress.ARRIVED, trouble)
+        return RobotNews(report.serving, report.unserved, report.final, report.state == Progress.ARRIVED, trouble)
 
     def _ask_planner(self) -> None:
         """In a thread of its own: whether there is a path for the present goal."""
@@ -203,7 +204,7 @@ class Navigator:
         version = 0 if self._report is None else self._report.schedule_version
         if (navigation.number, navigation.state, navigation.reason, version) == self._told:
             return
-        logged = (navigation.number, navigation.state) != self._told[:2]
+        self._log_change()
         self._told = navigation.number, navigation.state, navigation.reason, version
         message = NavigationStatus(robot=self.robot, state=int(navigation.state), reason=navigation.reason,
                                    number=navigation.number, schedule_version=version)
@@ -211,11 +212,17 @@ class Navigator:
         if navigation.goal is not None:
             message.goal = Pose2D(*navigation.goal)
         self._status.publish(message)
-        if logged:
-            bad = navigation.state in (NavigationState.WAITING, NavigationState.ABORTED)
-            (rospy.logwarn if bad else rospy.loginfo)(
-                "%s: %s%s", self.robot, navigation.state.name.lower(),
-                f": {navigation.reason}" if navigation.reason else "")
+
+    def _log_change(self) -> None:
+        """A line for every change, but none for every attempt."""
+        navigation = self._navigation
+        what = navigation.number, navigation.state, navigation.reason
+        if what == self._logged or (navigation.wants_path and navigation.reason):
+            return
+        self._logged = what
+        bad = navigation.state in (NavigationState.WAITING, NavigationState.ABORTED)
+        (rospy.logwarn if bad else rospy.loginfo)("%s: %s%s", self.robot, navigation.state.name.lower(),
+                                                  f": {navigation.reason}" if navigation.reason else "")
 
     def _feed_back(self) -> None:
         """Where the robot is, to the client."""

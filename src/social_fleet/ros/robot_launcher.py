@@ -18,10 +18,9 @@ _GRACE = 5.0  # [s] of wall time that a process has to end
 _LIMITS = ("max_acceleration", "max_turn_rate", "max_turn_acceleration")
 _SHARED = {
     "trajectory_tracker": (("schedule", "fleet/schedules"), ("fleet/progress", "fleet/progress"),
-                           ("fleet/following", "fleet/following"), ("fleet/waiting", "fleet/waiting")),
-    "navigator": tuple((name, name) for name in (
-        "fleet/schedules", "fleet/following", "fleet/navigation", "social_planner/plan_path",
-        "fleet_coordinator/coordinate")),
+                           *((name, name) for name in ("fleet/following", "fleet/waiting", "fleet/reports",
+                                                       "fleet/directives", "map"))),
+    "navigator": (("fleet/navigation", "fleet/navigation"), ("social_planner/plan_path", "social_planner/plan_path")),
 }  # what a node calls them, and what is shared by all robots
 
 
@@ -57,10 +56,9 @@ class RobotLauncher:
         self._processes: Dict[Tuple[str, str], subprocess.Popen] = {}
         rospy.on_shutdown(self._end)
         for name, body in robots.items():
-            self._start(name, "trajectory_tracker", {
-                **given["trajectory_tracker"], **{key: value for key, value in body.items() if key == "radius"}})
+            self._start(name, "trajectory_tracker", {**given["trajectory_tracker"], **body})
             if config.navigators:
-                self._start(name, "navigator", {**given["navigator"], **body})
+                self._start(name, "navigator", given["navigator"])
 
     def _start(self, robot: str, node: str, values: Dict[str, Any]) -> None:
         namespace = rospy.resolve_name(robot)
@@ -95,4 +93,5 @@ class RobotLauncher:
 
 def _body(spec: RobotSpec) -> Dict[str, Any]:
     """What a scenario says of a robot's body."""
-    return {"radius": spec.radius, **{name: getattr(spec, name) for name in _LIMITS if getattr(spec, name)}}
+    return {"radius": spec.radius, "max_speed": spec.max_speed, "weight": spec.weight,
+            **{name: getattr(spec, name) for name in _LIMITS if getattr(spec, name)}}

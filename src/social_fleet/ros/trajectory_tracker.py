@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Optional, Tuple
 
 import genpy
 import rospy
@@ -17,7 +17,6 @@ from social_fleet.execution.config import TrackerConfig
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.member import Member
 from social_fleet.execution.recovery.messages import Body, Errand
-from social_fleet.execution.state import Command
 from social_fleet.execution.tracker import Tracker
 from social_fleet.geometry import Pose, compose
 from social_fleet.msg import Directive, Errand as ErrandMessage, Progress, Schedule
@@ -79,10 +78,11 @@ class TrajectoryTracker:
         self._directed = False  # whether the coordinator has ever sent a directive
         self._errand = 0  # number of the latest errand message
         self._followed: Optional[Schedule] = None
+        self._base = ""  # the robot's frame, as odometry names it
         self._stopped = False
         self._heard_odom: Optional[float] = None
         self._frames = Frames(frame)
-        self._eyes = Eyes(self.robot, self._config.radius, eyes)
+        self._eyes = Eyes(self.robot, self._config.radius, self._clock, self._frames, eyes)
         self._health = TrackerHealth(self.robot, self._tracker, config)
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._reports = TrackerReports(self._member, frame, self._clock, rate=self._config.progress_rate)
@@ -153,8 +153,13 @@ class TrajectoryTracker:
             rospy.logerr("the errand was not taken: %s", error)
             return
         with self._lock:
-            if message.number >= self._errand:
-                self._errand, self._member.errand = message.number, errand
+            if message.number < self._errand:
+                return
+            self._errand, self._member.errand = message.number, errand
+            if errand is None and self._tracker.schedule is not None and not self._tracker.arrived:
+                # Stand, and have the fleet make a schedule of that.
+                self._member.bound = min(self._member.bound, self._tracker.stopping_arc_length())
+                self._member.lapsed = True
 
     def _hear_progress(self, message: Progress) -> None:
         if message.robot != self.robot:
@@ -164,6 +169,7 @@ class TrajectoryTracker:
     def _hear_odom(self, message: Odometry) -> None:
         with self._lock:
             self._heard_odom = rospy.get_time()
+            self._base = conversions.frame_name(message.child_frame_id)
             self._health.tick()
             self._step(message.header.stamp, *self._pose(message))
         self._health.update()
@@ -199,20 +205,14 @@ class TrajectoryTracker:
         now = self._clock.seconds(stamp)
         measured_at = None if measured is None else self._clock.seconds(measured)
         reference = self._tracker.reference or pose  # of this moment: the step moves it on
-        horizon = self._eyes.horizon(now, pose, self._tracker, self._member.others)
+        horizon = self._eyes.horizon(now, pose, self._base, self._tracker, self._member.others)
         self._member.obstacles, self._member.cleared = self._eyes.obstacles, self._eyes.cleared
-        command = self._command(now, pose, measured_at, horizon)
+        if not self._directed:
+            self._member.greet(now)
+        command = self._member.step(now, pose, pose_stamp=measured_at, horizon=horizon)
         self._cmd_vel.publish(conversions.twist_to_message(command.speed, command.turn_rate))
         self._reports.step(stamp, pose, reference, "" if horizon == math.inf else self._eyes.reason)
         self._health.note(now, measured_at)
-
-    def _command(self, now: float, pose: Optional[Pose], measured: Optional[float], horizon: float) -> Command:
-        if not self._directed:
-            return self._tracker.step(now, pose, self._member.heard, pose_stamp=measured, horizon=horizon)
-        given = self._member.assignment
-        if self._member.errand is None and given is not None and given.errand:
-            horizon = -math.inf  # the goal was taken back, and the fleet does not know yet
-        return self._member.step(now, pose, pose_stamp=measured, horizon=horizon)
 
     def _stop(self) -> None:
         """Leave the robot standing, and its topics to rospy, which closes them next."""
