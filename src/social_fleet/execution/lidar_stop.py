@@ -8,6 +8,7 @@ from numba import njit
 from social_fleet.errors import InvalidParameter
 from social_fleet.geometry import Polyline, Pose
 
+_SKIN = 0.02  # what is nearer to a robot that drives straight on is in its way [m]
 _STEP = 0.05  # between the places on the path that are looked at [m]
 
 
@@ -20,6 +21,8 @@ class LidarStop:
         Of the robot's disc [m].
     margin : float
         What is nearer to the swept disc than this is in the way [m].
+    standoff : float
+        How far before the place where it would come so near the robot is to stand [m]: it has to get round from there.
     reach : float
         How far ahead to look along the path [m]; at least the braking distance at top speed.
 
@@ -29,12 +32,14 @@ class LidarStop:
         When a length is not positive.
     """
 
-    def __init__(self, radius: float, *, margin: float = 0.05, reach: float = 3.0) -> None:
-        for value, field in ((radius, "radius"), (margin, "margin"), (reach, "reach")):
+    def __init__(self, radius: float, *, margin: float = 0.03, standoff: float = 0.12,
+                 reach: float = 3.0) -> None:
+        for value, field in ((radius, "radius"), (margin, "margin"), (standoff, "standoff"), (reach, "reach")):
             if not value > 0.0:
                 raise InvalidParameter(f"must be positive, not {value!r}", field=field)
         self.radius = radius
         self.margin = margin
+        self.standoff = standoff
         self.reach = reach
         self._path: Optional[Polyline] = None
         self._places = np.zeros((0, 2))
@@ -48,7 +53,9 @@ class LidarStop:
         self._places = path.position(np.linspace(0.0, path.length, count + 1))
 
     def horizon(self, points: np.ndarray, arc_length: float) -> float:
-        """The arc length that must not be passed [m]; infinite when all is free within reach.
+        """The arc length that must not be passed [m], less than `arc_length` where the robot must not move at all.
+
+        Infinite when all is free within reach.
 
         Parameters
         ----------
@@ -63,7 +70,17 @@ class LidarStop:
         last = min(first + int(self.reach / self._spacing) + 2, len(self._places))
         free = _first_blocked(self._places[first:last], np.ascontiguousarray(points, dtype=float),
                               self.radius + self.margin)
-        return float("inf") if free < 0 else max((first + free - 1) * self._spacing, arc_length)
+        return float("inf") if free < 0 else (first + free) * self._spacing - self.standoff
+
+    def ahead(self, points: np.ndarray, pose: Pose) -> float:
+        """How far the robot could drive straight on [m]; infinite when all is free within reach.
+
+        For motion that is not along the path: on the way back to it, and where the robot is not where it ought to be.
+        """
+        if not len(points):
+            return float("inf")
+        return float(_free_ahead(np.ascontiguousarray(points, dtype=float), pose.x, pose.y, pose.yaw,
+                                 self.radius + _SKIN))
 
 
 def points_of_scan(ranges: Sequence[float], angles: Sequence[float], pose: Pose, *, range_max: float) -> np.ndarray:
@@ -81,6 +98,18 @@ def points_of_scan(ranges: Sequence[float], angles: Sequence[float], pose: Pose,
     hit = np.isfinite(distances) & (distances > 0.0) & (distances <= range_max)
     distances, directions = distances[hit], directions[hit]
     return np.stack((pose.x + distances * np.cos(directions), pose.y + distances * np.sin(directions)), axis=1)
+
+
+@njit(cache=True)
+def _free_ahead(points, x, y, yaw, radius):  # type: ignore[no-untyped-def]
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    free = np.inf
+    for point in range(len(points)):
+        dx, dy = points[point, 0] - x, points[point, 1] - y
+        along, across = cos * dx + sin * dy, cos * dy - sin * dx
+        if along > 0.0 and abs(across) < radius:
+            free = min(free, max(along - np.sqrt(radius * radius - across * across), 0.0))
+    return free
 
 
 @njit(cache=True)

@@ -14,6 +14,7 @@ _SMALLEST = 0.1  # radius of an obstacle [m]
 _SAME = 0.3  # a thing whose middle has moved by less stands still [m]
 _CHANGED = 0.1  # an obstacle that shows itself so much wider, or farther aside, is described anew [m]
 _BESIDE = 0.15  # hits so close to an obstacle belong to it [m]
+_LEARNING = 0.3  # weight of a new look at a thing
 _TOLD = 10.0  # how long it is said that an obstacle is gone, for messages get lost [s]
 
 
@@ -81,7 +82,7 @@ class ObstacleWatch:
             Whether the robot would see an obstacle if it were still there.
         """
         near = points[np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y) <= self._reach] if len(points) else points
-        self._notice(now, near, known)
+        self._notice(now, pose, near, known)
         self._miss(now, pose, near, {**known, **self.obstacles}, visible)
         self._cleared = {name: when for name, when in self._cleared.items() if now - when <= _TOLD}
 
@@ -90,16 +91,16 @@ class ObstacleWatch:
         for name in names:
             self.obstacles.pop(name, None)
 
-    def _notice(self, now: float, points: np.ndarray, known: Mapping[str, DiscObstacle]) -> None:
-        for x, y, radius in _discs(points):
+    def _notice(self, now: float, pose: Pose, points: np.ndarray, known: Mapping[str, DiscObstacle]) -> None:
+        for x, y, radius in _discs(pose, points):
             thing = min((thing for thing in self._things if math.hypot(thing.x - x, thing.y - y) <= _SAME),
                         key=lambda thing: math.hypot(thing.x - x, thing.y - y), default=None)
             if thing is None:
                 self._things.append(_Thing(x, y, radius, now, now))
                 continue
             thing.seen = now
-            if radius > thing.radius:
-                thing.radius = radius
+            thing.x, thing.y, thing.radius = (old + _LEARNING * (new - old) for old, new in (
+                (thing.x, x), (thing.y, y), (thing.radius, radius)))
             if now - thing.since >= self._settle:
                 self._name_it(thing, known)
         self._things = [thing for thing in self._things if now - thing.seen <= self._settle]
@@ -108,9 +109,11 @@ class ObstacleWatch:
         """Make an obstacle of what has stood still, unless there is one that covers it."""
         for name, shape in {**known, **self.obstacles}.items():
             aside = math.hypot(shape.x - thing.x, shape.y - thing.y)
-            if aside + thing.radius <= shape.radius + _CHANGED:
+            own = name in self.obstacles and aside <= _SAME
+            if aside + abs(thing.radius - shape.radius) <= _CHANGED or (not own and aside + thing.radius
+                                                                        <= shape.radius + _CHANGED):
                 return
-            if name in self.obstacles and aside <= _SAME:
+            if own:
                 self.obstacles[name] = DiscObstacle(thing.x, thing.y, thing.radius)
                 return
         self._count += 1
@@ -135,11 +138,23 @@ class ObstacleWatch:
         self._empty_since = {name: since for name, since in self._empty_since.items() if name in known}
 
 
-def _discs(points: np.ndarray) -> Iterator[Tuple[float, float, float]]:
-    """Discs (x, y, radius) [m] about runs of neighbouring hits: a round thing shows nearly its whole width."""
+def _discs(pose: Pose, points: np.ndarray) -> Iterator[Tuple[float, float, float]]:
+    """Discs (x, y, radius) [m] about runs of neighbouring hits, as seen from `pose`.
+
+    Of a disc at distance d to its surface, seen under the angle 2 a, the radius is d sin a / (1 - sin a). What is flat
+    is no disc: one half as wide again as the run is the largest that is taken for it.
+    """
     if not len(points):
         return
     gaps = np.hypot(*np.diff(points, axis=0).T)
     for run in np.split(points, np.flatnonzero(gaps > _GAP) + 1):
-        (x0, y0), (x1, y1) = run[0].tolist(), run[-1].tolist()
-        yield 0.5 * (x0 + x1), 0.5 * (y0 + y1), max(0.5 * math.hypot(x1 - x0, y1 - y0), _SMALLEST)
+        rays = run - (pose.x, pose.y)
+        distances = np.hypot(rays[:, 0], rays[:, 1])
+        bearings = np.arctan2(rays[:, 1], rays[:, 0])
+        turns = (bearings - bearings[0] + math.pi) % (2.0 * math.pi) - math.pi
+        sine = min(math.sin(0.5 * min(float(turns.max() - turns.min()), math.pi)), 0.95)
+        width = float(np.hypot(*(run[-1] - run[0])))
+        radius = max(min(float(distances.min()) * sine / (1.0 - sine), 0.75 * width), _SMALLEST)
+        middle = float(bearings[0] + 0.5 * (turns.max() + turns.min()))
+        away = float(distances.min()) + radius
+        yield pose.x + away * math.cos(middle), pose.y + away * math.sin(middle), radius

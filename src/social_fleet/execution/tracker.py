@@ -5,7 +5,7 @@ from typing import Mapping, Optional
 
 from social_fleet.coordination.robot import MotionLimits
 from social_fleet.coordination.schedule import Schedule
-from social_fleet.execution.braking import approach
+from social_fleet.execution.braking import approach, stopping_speed
 from social_fleet.execution.config import TrackerConfig
 from social_fleet.execution.course import Course, distance
 from social_fleet.execution.flatness import ReferenceMotion, track
@@ -153,7 +153,8 @@ class Tracker:
         return ReportedProgress(0 if self.schedule is None else self.schedule.version, self.progress, now)
 
     def step(self, now: float, pose: Optional[Pose], others: Mapping[str, ReportedProgress], *,
-             pose_stamp: Optional[float] = None, horizon: float = math.inf, halt: str = "") -> Command:
+             pose_stamp: Optional[float] = None, horizon: float = math.inf, ahead: float = math.inf,
+             halt: str = "") -> Command:
         """The command for the period that begins at `now`.
 
         Parameters
@@ -168,6 +169,8 @@ class Tracker:
             When the pose was measured [s]; `now` by default.
         horizon : float
             Arc length that must not be passed for what the robot's sensors see [m].
+        ahead : float
+            How far the robot can drive straight on for what its sensors see [m].
         halt : str
             Why the robot must stand whatever its schedule says, as a sentence; empty when it need not.
         """
@@ -183,6 +186,9 @@ class Tracker:
             self.state = ProgressState.STOPPED
         elif self.schedule is not None and not self.arrived and pose is not None:
             wanted = self._act(now, period, pose, horizon)
+        if ahead < math.inf:
+            braking = 0.8 * self._limits.max_acceleration
+            wanted = Command(min(wanted.speed, stopping_speed(ahead, braking, period)), wanted.turn_rate)
         self.command = self._limited(wanted, self._elapsed_truly)
         return self.command
 

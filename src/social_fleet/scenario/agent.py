@@ -78,7 +78,7 @@ class Agent:
         discs : (D, 3) array
             True centres and radii of all robots, its own in row `own`, and of obstacles [m].
         """
-        horizon = math.inf
+        horizon, ahead = math.inf, math.inf
         tracker = self.member.tracker
         if pose is not None:
             points = self._points(pose, truth, discs, own)
@@ -87,10 +87,12 @@ class Agent:
                     self._eyes.follow(tracker.schedule.robot.path)
                     self._followed = tracker.schedule.version
                 horizon = self._eyes.horizon(points, tracker.progress)
+                ahead = self._eyes.ahead(points, pose)
             if now - self._looked >= _LOOK - 1e-9:
                 self._looked = now
                 self._look(now, pose, truth, points, discs, own)
-        return self.member.step(now, pose, horizon=horizon)
+        self._horizon = horizon
+        return self.member.step(now, pose, horizon=horizon, ahead=ahead)
 
     def _points(self, pose: Pose, truth: Pose, discs: np.ndarray, own: int) -> np.ndarray:
         """Hits as the robot places them on the map, (N, 2) [m]."""
@@ -110,7 +112,8 @@ class Agent:
         """Look for obstacles among the hits that no robot explains."""
         if len(points):
             for report in self.member.others.values():
-                if report.pose is not None and len(points):
+                heard = now - report.stamp <= self.member.config.gone
+                if heard and report.pose is not None and len(points):
                     gaps = np.hypot(points[:, 0] - report.pose.x, points[:, 1] - report.pose.y)
                     points = points[gaps > report.body.radius + _BESIDE]
         if not len(points) and not self._known and not self._watch.obstacles:

@@ -163,7 +163,8 @@ def _has_way(recording: Recording, specs: Mapping[str, RobotSpec], name: str, go
     near = []
     for place in places:
         gaps = np.hypot(centres[:, 0] - place[0], centres[:, 1] - place[1])
-        near.append(set(labels.ravel()[gaps <= (0.3 if place is places[0] else 0.75 * grid.resolution)].tolist()) - {0})
+        within = 0.3 if place is places[0] else 0.75 * grid.resolution
+        near.append(set(labels.ravel()[gaps <= within].tolist()) - {0})
     return bool(near[0] & near[1])
 
 

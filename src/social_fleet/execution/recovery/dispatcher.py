@@ -7,14 +7,14 @@ import logging
 import math
 from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 
-from social_fleet.coordination.schedule import Schedule
 from social_fleet.execution.recovery.charge import Charge
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.decision import Need, replan_for_delays, replan_for_paths
 from social_fleet.execution.recovery.messages import Assignment, Directive, Report
+from social_fleet.execution.state import ProgressState
 from social_fleet.execution.recovery.remaining import Remaining, stretch
 from social_fleet.execution.recovery.replanning import Replanning, Request
-from social_fleet.execution.recovery.sightings import Sightings
+from social_fleet.execution.recovery.sightings import SPARE, Sightings
 from social_fleet.planning.overlays.shapes import DiscObstacle
 
 log = logging.getLogger(__name__)
@@ -109,6 +109,10 @@ class Dispatcher:
                     causes[charge.name] = "is led round " + ", ".join(sorted(new))
             if not causes and silent - self._silent:
                 causes[names[0]] = f"takes note that {', '.join(sorted(silent - self._silent))} is silent"
+        for name in sorted(silent - self._silent):
+            self._sightings.put(name, self._spots(self._charges[name]))
+        for name in sorted(self._silent - silent):
+            self._sightings.drop(name)
         self._silent, self._standing = silent, standing
         need = replan_for_paths(causes, names)
         return need if need is not None else self._delays(live, now)
@@ -187,20 +191,18 @@ class Dispatcher:
         """Where robots are that are not to be waited for."""
         places: Dict[str, Tuple[DiscObstacle, ...]] = {}
         for name in sorted(self._silent):
-            charge = self._charges[name]
-            reach = charge.report.body.limits.max_speed * (self.config.lapse + 1.0)
-            places[name] = self._discs(charge.report, charge.schedule, reach)
+            places[name] = tuple(shape for key, shape in self._sightings.obstacles.items() if key.startswith(name + "#"))
         for charge in live:
-            if charge.name in self._standing:
-                places[charge.name] = self._discs(charge.report, charge.schedule, 0.0)
+            pose, radius = charge.report.pose, charge.report.body.radius
+            if charge.name in self._standing and pose is not None:
+                places[charge.name] = (DiscObstacle(pose.x, pose.y, radius + _ROOM),)
         return places
 
-    @staticmethod
-    def _discs(report: Report, schedule: Optional[Schedule], reach: float) -> Tuple[DiscObstacle, ...]:
-        """Where a robot may be that has gone on for at most `reach` [m]."""
-        radius = report.body.radius + _ROOM
+    def _spots(self, charge: Charge) -> Tuple[DiscObstacle, ...]:
+        """Where a robot that fell silent may have come to: as far as it could drive until it had to stand."""
+        report, reach = charge.report, charge.report.body.limits.max_speed * (self.config.lapse + 1.0)
         spots: List[Tuple[float, float]] = [] if report.pose is None else [(report.pose.x, report.pose.y)]
-        if schedule is not None and abs(report.speed) > 0.0 and reach > 0.0:
-            item = Remaining.of(report, schedule)
+        if charge.schedule is not None and not report.astray and report.state is not ProgressState.ARRIVED:
+            item = Remaining.of(report, charge.schedule)
             spots += stretch(item.prefix if math.isfinite(report.bound) else item.way, reach)
-        return tuple(DiscObstacle(x, y, radius) for x, y in spots)
+        return tuple(DiscObstacle(x, y, report.body.radius + _ROOM - SPARE) for x, y in spots)

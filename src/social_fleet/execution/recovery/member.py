@@ -6,6 +6,7 @@ doc/execution.md has the protocol and why it is safe whatever is lost, late or r
 import math
 from typing import Dict, Mapping, Optional, Tuple
 
+from social_fleet.execution.course import distance
 from social_fleet.execution.gate import ReportedProgress
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.messages import Assignment, Body, Directive, Errand, Report
@@ -14,6 +15,8 @@ from social_fleet.execution.tracker import Tracker
 from social_fleet.geometry import Pose
 from social_fleet.planning.overlays.shapes import DiscObstacle
 
+_AWAY = 0.3  # so far from where it was held up it is so no longer [m]
+_FREE_AGAIN = 3.0  # nor after nothing has been in its way for so long [s]
 _AT_OBSTACLE = 0.15  # a robot that stands so close before what its lidar bounds is held up by it [m]
 
 
@@ -69,6 +72,8 @@ class Member:
         self._pose: Optional[Pose] = None
         self._astray_since = math.inf
         self._blocked_since = math.inf
+        self._blocked_last = -math.inf
+        self._blocked_at = Pose(0.0, 0.0)
         self._now = -math.inf
 
     def greet(self, now: float) -> None:
@@ -102,7 +107,7 @@ class Member:
         self._heard[report.name] = ReportedProgress(report.version, report.arc_length, report.stamp)
 
     def step(self, now: float, pose: Optional[Pose], *, pose_stamp: Optional[float] = None,
-             horizon: float = math.inf) -> Command:
+             horizon: float = math.inf, ahead: float = math.inf) -> Command:
         """The command for the period that begins at `now` [s].
 
         Parameters
@@ -111,14 +116,16 @@ class Member:
             As `Tracker.step` takes them.
         horizon : float
             Arc length that must not be passed for what the lidar sees [m].
+        ahead : float
+            How far the lidar leaves it free to drive straight on [m].
         """
         self._now, self._pose = now, pose
         if not self.lapsed and now - self._acknowledged > self.config.lapse and self.version:
             self.lapsed = True
             self.bound = min(self.bound, self.tracker.stopping_arc_length())
         command = self.tracker.step(now, pose, self._heard, pose_stamp=pose_stamp, horizon=min(horizon, self.bound),
-                                    halt="it stands off its path and waits for another" if self._standing else "")
-        self._watch(now, horizon, command)
+                                    ahead=ahead, halt="it stands off its path and waits for another" if self._standing else "")
+        self._watch(now, min(horizon - self.tracker.progress, ahead), command)
         if self._asked > self.exchange:
             self._promise()
         return command
@@ -134,12 +141,17 @@ class Member:
             self._standing = True
         self.exchange = self._asked
 
-    def _watch(self, now: float, horizon: float, command: Command) -> None:
-        """For how long the robot has been astray, and blocked."""
+    def _watch(self, now: float, room: float, command: Command) -> None:
+        """For how long the robot has been astray, and blocked: until it has got away from there."""
         stands = command == STANDSTILL
         self._astray_since = min(self._astray_since, now) if self.tracker.needs_path and stands else math.inf
-        blocked = stands and not self.tracker.arrived and horizon < self.tracker.progress + _AT_OBSTACLE
-        self._blocked_since = min(self._blocked_since, now) if blocked else math.inf
+        if stands and not self.tracker.arrived and room < _AT_OBSTACLE and self._pose is not None:
+            if self._blocked_since == math.inf:
+                self._blocked_since, self._blocked_at = now, self._pose
+            self._blocked_last = now
+        elif self._pose is not None and (now - self._blocked_last > _FREE_AGAIN
+                                         or distance(self._pose, self._blocked_at) > _AWAY):
+            self._blocked_since = math.inf
 
     @property
     def version(self) -> int:

@@ -15,11 +15,14 @@ from social_fleet.errors import Infeasible, InvalidInput, InvalidPose, NoPath, S
 from social_fleet.execution.recovery.messages import Assignment
 from social_fleet.execution.recovery.decision import SIMULTANEOUS, Need
 from social_fleet.execution.recovery.remaining import ContinuingReplanner, Remaining, joined
+from social_fleet.geometry import Pose
 from social_fleet.planning.overlays.shapes import DiscObstacle
 from social_fleet.planning.planner import SocialPlanner
 
 log = logging.getLogger(__name__)
 
+_PLANNERS_ROOM = 0.01  # beside an obstacle for a plan to begin there [m]
+_SMALLEST = 0.05  # radius of an obstacle [m]
 _LONGEST_REST = 60.0  # that a robot is expected to stand on at the most [s]
 
 
@@ -103,7 +106,8 @@ class Replanning:
                 item.report.session, replace(schedules[name], peers=tuple(peer for peer in peers if peer != name)),
                 origin=0.0 if schedules[name].robot.committed is None else job.origin(item, schedules[name]),
                 errand=0 if errand is None else errand.number, reason=reason,
-                final=bool(reason) and name in request.give_up, temporary=name in job.temporary)
+                final=bool(reason) and (name in request.give_up or item.report.final and reason == item.report.unserved),
+                temporary=name in job.temporary)
         return result
 
 
@@ -178,8 +182,12 @@ class _Job:
         depart = self.request.now + min(self.request.rests.get(name, 0.0), _LONGEST_REST)
         if report.errand is None:
             return item.staying(depart)
+        anew = name in self.request.need.new_paths
+        if report.unserved and report.errand.number == report.serving and not anew:
+            self.reasons[name] = report.unserved
+            return item.staying(depart)
         obstructed = self._obstructed(item)
-        if item.schedule is not None and name not in self.request.need.new_paths and not obstructed:
+        if item.schedule is not None and not anew and not obstructed:
             self._kept[name] = item
             return item.robot(item.way, depart=depart, goal_yaw=item.goal_yaw)
         try:
@@ -206,10 +214,9 @@ class _Job:
         try:
             return planner.plan(item.end, report.errand.goal, overlays=overlays)
         except InvalidPose:
-            # it may stand nearer to an obstacle than a plan may begin: what it stands beside is none for its start
-            near = {name: shape for name, shape in overlays.items()
-                    if math.hypot(shape.x - item.end.x, shape.y - item.end.y) > shape.radius + report.body.radius}
-            return planner.plan(item.end, report.errand.goal, overlays=near)
+            # it may stand nearer to an obstacle than a plan may begin
+            shrunk = {name: _beside(shape, item.end, report.body.radius) for name, shape in overlays.items()}
+            return planner.plan(item.end, report.errand.goal, overlays=shrunk)
 
     def _obstructed(self, item: Remaining) -> FrozenSet[str]:
         """Robots that stand for good in the way that is left, behind what the robot is committed to."""
@@ -262,6 +269,12 @@ def _as_before(request: Request) -> Optional[Dict[str, Schedule]]:
         result[item.report.name] = replace(schedule, precedences=rules, version=request.version,
                                            robot=_committed(schedule.robot, item.origin + item.committed))
     return result
+
+
+def _beside(shape: DiscObstacle, pose: Pose, radius: float) -> DiscObstacle:
+    """An obstacle no larger than leaves a robot room to stand at `pose`."""
+    room = math.hypot(shape.x - pose.x, shape.y - pose.y) - radius - _PLANNERS_ROOM
+    return shape if shape.radius <= room else DiscObstacle(shape.x, shape.y, max(room, _SMALLEST))
 
 
 def _committed(robot: Robot, bound: float) -> Robot:
