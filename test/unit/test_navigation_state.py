@@ -159,3 +159,15 @@ def test_a_fleet_that_does_not_answer_is_not_waited_for_without_end() -> None:
 def test_parameters_are_checked() -> None:
     with pytest.raises(InvalidParameter, match="retry_period"):
         NavigationConfig(retry_period=0.0)
+
+
+def test_the_fleet_can_be_asked_anew_while_patience_goes_on() -> None:
+    navigation, now = driving(), 3.0
+    while navigation.active and now < 100.0:
+        navigation.hear(RobotNews(navigation.number, trouble="its schedule has ended elsewhere"), now)
+        if navigation.active:
+            navigation.again(navigation.number + 1, now)
+            navigation.planned(navigation.number, now)
+            assert navigation.order == Order(navigation.number, GOAL)
+        now += 1.0
+    assert (navigation.state, navigation.since) == (NavigationState.ABORTED, 33.0)

@@ -116,6 +116,12 @@ class Navigation:
         self._waiting_since = None
         self._enter(NavigationState.PLANNING, now)
 
+    def again(self, number: int, now: float) -> None:
+        """Have the fleet asked anew for the same goal; nothing happens when there is none. Patience goes on."""
+        if self.active and self.goal is not None:
+            self.number = number
+            self._enter(NavigationState.PLANNING, now, self.reason)
+
     def cancel(self, now: float, reason: str = "the goal was taken back") -> None:
         """Have no goal any more; nothing happens when there is none."""
         if self.active:
@@ -125,7 +131,8 @@ class Navigation:
         """There is a path for the goal `number`: the fleet is to make room for it."""
         if number == self.number and self.state is NavigationState.PLANNING:
             self.order = Order(number, self.goal)
-            self._retry_at = self._waiting_since = None
+            if self._retry_at is not None:  # the planner was waited for, not the fleet
+                self._retry_at = self._waiting_since = None
             self._enter(NavigationState.COORDINATING, now)
 
     def refused(self, number: int, now: float, reason: str, *, final: bool) -> None:

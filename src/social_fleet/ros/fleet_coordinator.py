@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Tuple
 
 import genpy
+import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid as GridMessage
 from rospy.numpy_msg import numpy_msg
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.errors import InvalidScenario
 from social_fleet.execution.recovery.config import RecoveryConfig
@@ -80,12 +82,27 @@ class FleetCoordinator:
         rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
         rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         config = self._config
+        self._warm = threading.Event()
+        threading.Thread(target=self._warm_up, daemon=True).start()
         options = Options(config.time_margin, config.tracking_tolerance, config.replan_time_limit)
         self._dispatch = FleetDispatch(config.map_frame, recovery, options, self._planner_for,
-                                       ready=lambda: self._map is not None, told=self._schedules.publish)
+                                       ready=self._is_ready, told=self._schedules.publish)
         self._diagnostics = Diagnostics("fleet", {"exchange of schedules": self._dispatch.diagnose})
         rospy.Timer(rospy.Duration(0.5), lambda _: self._diagnostics.update(), reset=True)
         self._service = rospy.Service("~coordinate", Coordinate, self._serve)
+
+    def _warm_up(self) -> None:
+        """Compile, or load, what the first coordination would wait for beyond its time limit."""
+        coordinate([Robot("east", np.array([(0.0, 0.0), (6.0, 0.0)]), committed=0.5),
+                    Robot("north", np.array([(3.0, -3.0), (3.0, 3.0)]))])
+        self._warm.set()
+
+    def _is_ready(self) -> bool:
+        """Whether schedules can be made; builds the planner of most robots on the way."""
+        if self._map is None or not self._warm.is_set():
+            return False
+        self._planner_for(self._planner_config.robot_radius)
+        return True
 
     def _hear_map(self, message: GridMessage) -> None:
         """Keep the map; planners are built from it when a repair first needs one."""

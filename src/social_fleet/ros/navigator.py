@@ -1,5 +1,6 @@
 """The node navigator, one per robot: goals as move_base takes them, driven on coordinated schedules."""
 
+import math
 import threading
 import time
 from dataclasses import dataclass
@@ -26,6 +27,8 @@ from social_fleet.ros.planner_client import NoAnswer, PlannerClient
 
 _LOOK = 0.1  # between two looks at what has come [s, wall time]
 _TF_PATIENCE = 2.0  # for the frame of a goal [s, wall time]
+_THERE = 0.25  # a robot that stands this close to its goal has arrived [m]
+_ELSEWHERE = 5.0  # one that stands at the end of its schedule elsewhere asks anew after so long [s, wall time]
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class Navigator:
         self._told: Tuple = ()
         self._logged: Tuple = ()
         self._ordered: Optional[Order] = None
+        self._elsewhere_since: Optional[float] = None  # [s, wall time]
         self._fed = 0.0  # [s, wall time]
         self._frames: Optional[Frames] = None  # made when first needed: /tf is busy
         self._planner = PlannerClient(self.robot)
@@ -104,10 +108,13 @@ class Navigator:
         with self._lock:
             navigation = self._navigation
             if goal is not None:
-                navigation.accept(goal, max(navigation.number + 1, int(1e3 * time.time())), now)
+                navigation.accept(goal, self._next_number(), now)
             elif self._goals.taken_back:
                 navigation.cancel(now)
             navigation.hear(self._news(), now)
+            if time.monotonic() - (self._elsewhere_since or math.inf) > _ELSEWHERE:
+                self._elsewhere_since = None
+                navigation.again(self._next_number(), now)
             if navigation.wants_path:
                 self._asking.request()
             self._give_order()
@@ -154,7 +161,24 @@ class Navigator:
         trouble = report.trouble if report.state == Progress.STOPPED else ""
         if report.blocked > self._config.news_timeout:
             trouble = f"something in its way has kept it standing for {report.blocked:.0f} s"
-        return RobotNews(report.serving, report.unserved, report.final, report.state == Progress.ARRIVED, trouble)
+        arrived = report.state == Progress.ARRIVED
+        elsewhere = arrived and not report.unserved and report.serving == self._navigation.number and self._is_away()
+        if not elsewhere:
+            self._elsewhere_since = None
+        elif self._elsewhere_since is None:
+            self._elsewhere_since = time.monotonic()
+        if elsewhere:
+            trouble = "its schedule has ended elsewhere"
+        return RobotNews(report.serving, report.unserved, report.final, arrived and not elsewhere, trouble)
+
+    def _is_away(self) -> bool:
+        """Whether the robot is not at its goal: whoever says that it has arrived."""
+        pose, goal = self._pose(), self._navigation.goal
+        return pose is not None and goal is not None and math.hypot(pose.x - goal.x, pose.y - goal.y) > _THERE
+
+    def _next_number(self) -> int:
+        """Greater than any before, also of a navigator that ran before."""
+        return max(self._navigation.number + 1, int(1e3 * time.time()))
 
     def _ask_planner(self) -> None:
         """In a thread of its own: whether there is a path for the present goal."""
