@@ -79,8 +79,6 @@ class FleetCoordinator:
         self._coordinating = threading.Lock()
         self._schedules = RepeatingPublisher("fleet/schedules", ScheduleMessage)
         self._windows = RepeatingPublisher("fleet/windows", EncounterWindow)
-        rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
-        rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         config = self._config
         self._warm = threading.Event()
         threading.Thread(target=self._warm_up, daemon=True).start()
@@ -89,6 +87,8 @@ class FleetCoordinator:
                                        ready=self._is_ready, told=self._schedules.publish)
         self._diagnostics = Diagnostics("fleet", {"exchange of schedules": self._dispatch.diagnose})
         rospy.Timer(rospy.Duration(0.5), lambda _: self._diagnostics.update(), reset=True)
+        rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
+        rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         self._service = rospy.Service("~coordinate", Coordinate, self._serve)
 
     def _warm_up(self) -> None:

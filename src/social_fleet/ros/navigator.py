@@ -160,7 +160,7 @@ class Navigator:
             return RobotNews(trouble="its tracker says nothing")
         trouble = report.trouble if report.state == Progress.STOPPED else ""
         if report.blocked > self._config.news_timeout:
-            trouble = f"something in its way has kept it standing for {report.blocked:.0f} s"
+            trouble = "something that the map does not hold stands in its way"
         arrived = report.state == Progress.ARRIVED
         elsewhere = arrived and not report.unserved and report.serving == self._navigation.number and self._is_away()
         if not elsewhere:

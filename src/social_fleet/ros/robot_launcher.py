@@ -4,12 +4,14 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import dataclass
 from typing import Any, Dict, List, Tuple
 
 import rospy
 
 from social_fleet.errors import InvalidParameter
+from social_fleet.parameters import parameter
 from social_fleet.ros import parameters
 from social_fleet.ros.paths import resolve_path
 from social_fleet.scenario.files import RobotSpec, load_scenario
@@ -31,6 +33,7 @@ class RobotLauncherParameters:
     scenario: str = ""  # a scenario file whose robots get trackers
     robots: Tuple[str, ...] = ()  # names of further robots
     navigators: bool = False  # start a navigator for each, too
+    respawn_delay: float = parameter(0.0, minimum=0.0)  # a process that ends is started anew after so long; 0: not [s]
 
 
 class RobotLauncher:
@@ -53,7 +56,10 @@ class RobotLauncher:
             robots.update((spec.name, _body(spec)) for spec in load_scenario(resolve_path(config.scenario)).robots)
         if not robots:
             raise InvalidParameter("names no robot; name robots or a scenario file", field=f"{prefix}robots")
+        self._respawn_delay = config.respawn_delay
         self._processes: Dict[Tuple[str, str], subprocess.Popen] = {}
+        self._commands: Dict[Tuple[str, str], List[str]] = {}
+        self._ended: Dict[Tuple[str, str], float] = {}  # when it was seen to have ended [s, wall time]
         rospy.on_shutdown(self._end)
         for name, body in robots.items():
             self._start(name, "trajectory_tracker", {**given["trajectory_tracker"], **body})
@@ -66,19 +72,26 @@ class RobotLauncher:
             rospy.set_param(f"{namespace}/{node}", values)
         executable = os.path.join(os.path.dirname(os.path.abspath(sys.argv[0])), node)
         shared = [f"{topic}:={rospy.resolve_name(target)}" for topic, target in _SHARED[node]]
-        self._processes[robot, node] = subprocess.Popen(
-            [sys.executable, executable, f"__ns:={namespace}", f"__name:={node}", *shared])
+        self._commands[robot, node] = [sys.executable, executable, f"__ns:={namespace}", f"__name:={node}", *shared]
+        self._processes[robot, node] = subprocess.Popen(self._commands[robot, node])
 
     def spin(self) -> int:
-        """Watch the processes until shutdown; each that ends before is told of once."""
-        gone: List[Tuple[str, str]] = []
+        """Watch the processes until shutdown; each that ends before is told of once, and started anew where wanted."""
         while not rospy.is_shutdown():
-            for (robot, node), process in self._processes.items():
-                if process.poll() is not None and (robot, node) not in gone and not rospy.is_shutdown():
-                    gone.append((robot, node))
-                    rospy.logerr("the %s of robot %s ended with code %d", node, robot, process.returncode)
+            for key, process in self._processes.items():
+                if process.poll() is not None and not rospy.is_shutdown():
+                    self._miss(key, process.returncode)
             rospy.rostime.wallsleep(0.2)
         return 0
+
+    def _miss(self, key: Tuple[str, str], code: int) -> None:
+        """A process has ended."""
+        if key not in self._ended:
+            self._ended[key] = time.monotonic()
+            rospy.logerr("the %s of robot %s ended with code %d", key[1], key[0], code)
+        elif self._respawn_delay and time.monotonic() - self._ended[key] >= self._respawn_delay:
+            del self._ended[key]
+            self._processes[key] = subprocess.Popen(self._commands[key])
 
     def _end(self) -> None:
         for process in self._processes.values():

@@ -96,8 +96,11 @@ class TrajectoryTracker:
         rospy.Timer(rospy.Duration(0.5 * self._config.odom_timeout), self._watch)
 
     def _hear_schedule(self, message: Schedule) -> None:
-        """Take up a schedule of this robot: a newer one, or other precedences of the same one."""
-        if message.robot != self.robot:
+        """Take up a schedule of this robot: a newer one, or other precedences of the same one.
+
+        Those of robots under way answer promises, and come by directive alone.
+        """
+        if message.robot != self.robot or message.under_way:
             return
         try:
             schedule = exchange.schedule_from_absolute(message, self._config.map_frame, self._clock)
