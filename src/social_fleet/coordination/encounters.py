@@ -15,6 +15,8 @@ from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import KINDS
 from social_fleet.coordination.window_rows import WindowRows, window_rows
 
+_LEAST = 0.04  # what two discs keep that got closer than they should [m]
+
 
 @dataclass(frozen=True)
 class Order:
@@ -114,7 +116,8 @@ class EncounterFinder:
         names = r.name, s.name
         if names not in self._known:
             self._known[names] = tuple(_encounters(window_rows(
-                self._links_of(r), self._links_of(s), self.safety_distance(r, s), committed=_commitments(r, s))))
+                self._links_of(r), self._links_of(s), self.safety_distance(r, s), committed=_commitments(r, s),
+                least=r.body_radius + s.body_radius + _LEAST)))
         return self._known[names]
 
     def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:

@@ -11,6 +11,7 @@ from social_fleet.coordination.robot import Robot
 from social_fleet.errors import Infeasible, InvalidPose, NoPath
 from social_fleet.geometry import Pose
 from social_fleet.planning.overlays.discs import Disc
+from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 
@@ -45,10 +46,13 @@ class PlannerReplanner(Replanner):
     ----------
     planner_for : callable
         The planner for robots of a radius [m].
+    overlays : OverlaySet, mapping of names to shapes, or sequence of shapes
+        Obstacles that the map does not hold.
     """
 
-    def __init__(self, planner_for: Callable[[float], SocialPlanner]) -> None:
+    def __init__(self, planner_for: Callable[[float], SocialPlanner], *, overlays: Overlays = ()) -> None:
         self._planner_for = planner_for
+        self._overlays = overlays
 
     def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
         """See `Replanner`."""
@@ -66,7 +70,7 @@ class PlannerReplanner(Replanner):
     def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
               avoid: Sequence[Disc]) -> Optional[Plan]:
         try:
-            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid)
+            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid, overlays=self._overlays)
         except (NoPath, InvalidPose):
             return None
 

@@ -18,6 +18,7 @@ _TINY = 1e-6  # [m]
 _STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
 _NEAR = 0.3  # how far beyond what two robots are committed to they may be closer than the distance, ... [m]
 _SLACK = 0.05  # ... and by how much: robots stand a little short of where they wait [m]
+_NEARER = 0.02  # two that are closer than that already may come so much closer yet [m]
 _SETBACK = 1.0  # by which a window that runs along, or against, the other path may depart from that [m]
 
 
@@ -47,29 +48,36 @@ class WindowRows(NamedTuple):
     clear: np.ndarray
 
 
-def window_rows(r: Links, s: Links, distance: float, *, committed: Optional[Tuple[float, float]] = None) -> WindowRows:
+def window_rows(r: Links, s: Links, distance: float, *, committed: Optional[Tuple[float, float]] = None,
+                least: float = 0.0) -> WindowRows:
     """The windows of two paths: where links come closer than `distance` [m].
 
     Parameters
     ----------
     committed : (float, float), optional
         The arc lengths that two robots under way are committed to [m], borders of links: what both reach within these
-        is settled, and no part of any window.
+        is settled, and no part of any window. Where they are closer than the distance now, they need not keep it before
+        they have got away from each other, only what they have.
+    least : float
+        What they keep even then [m].
     """
     r_upto, s_upto = committed or (0.0, 0.0)
     return WindowRows(*_windows(r.tails, r.heads, r.middles, r.starts, r.ends,
                                 s.tails, s.heads, s.middles, s.starts, s.ends, distance,
-                                r_upto, s_upto, committed is not None))
+                                r_upto, s_upto, least if committed is not None else np.inf))
 
 
 @njit(cache=True)
 def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-untyped-def]
-             s_tails, s_heads, s_middles, s_starts, s_ends, distance, r_upto, s_upto, under_way):
+             s_tails, s_heads, s_middles, s_starts, s_ends, distance, r_upto, s_upto, least):
     runs = close_runs(r_tails, r_heads, r_middles, s_tails, s_heads, s_middles, distance)
     r_own, s_own = max(np.sum(r_ends <= r_upto + _TINY), 1), max(np.sum(s_ends <= s_upto + _TINY), 1)
-    if under_way:
-        runs = _unsettled(runs, r_own, s_own, np.sum(r_starts <= r_upto + _NEAR), np.sum(s_starts <= s_upto + _NEAR),
-                          r_tails, r_heads, s_tails, s_heads, distance - _SLACK)
+    if least < np.inf:
+        present = np.sqrt((r_tails[0, 0] - s_tails[0, 0]) ** 2 + (r_tails[0, 1] - s_tails[0, 1]) ** 2)
+        close = max(min(distance - _SLACK, present - _NEARER), least)
+        near = _NEAR + 2.0 * (distance - _SLACK - close)
+        runs = _unsettled(runs, r_own, s_own, np.sum(r_starts <= r_upto + near), np.sum(s_starts <= s_upto + near),
+                          r_tails, r_heads, s_tails, s_heads, close)
     labels = label_runs(runs)
     count = labels.max() + 1 if len(labels) else 0
     extents = np.empty((count, 4))

@@ -68,11 +68,11 @@ class PrecedenceGate:
         self._version = schedule.version
         self._committed = schedule.robot.committed or 0.0
         self._unconfirmed = {name for name in schedule.peers if self._newest.get(name, 0) < schedule.version}
-        self._advance()
+        self._advance(anew=True)
 
     def hear(self, others: Mapping[str, ReportedProgress]) -> None:
         """Take in the latest reports, by name; those of robots that nothing is awaited from are passed over."""
-        changed = False
+        changed = confirmed = False
         for name in self._awaited:
             report = others.get(name)
             if report is not None and report[1] > self._passed.get((name, report[0]), -math.inf):
@@ -82,15 +82,21 @@ class PrecedenceGate:
             for name, report in others.items():
                 self._newest[name] = max(report.version, self._newest.get(name, 0))
             left = {name for name in self._unconfirmed if self._newest.get(name, 0) < self._version}
-            changed, self._unconfirmed = changed or left != self._unconfirmed, left
-        if changed:
-            self._advance()
+            confirmed, self._unconfirmed = left != self._unconfirmed, left
+        if changed or confirmed:
+            self._advance(anew=confirmed)
 
-    def _advance(self) -> None:
+    def _advance(self, *, anew: bool = False) -> None:
         """Step over what is released; a later precedence cannot bind before an earlier one."""
+        first = self._next
         while self._next < len(self._precedences) and self._released(self._precedences[self._next]):
             self._next += 1
             self._since = None
+        if self._next > first or anew:
+            self._bind()
+
+    def _bind(self) -> None:
+        """Find the bound, and whose reports may move it."""
         self._awaited = {precedence.other for precedence in self._precedences[self._next:]}
         held = self._next < len(self._precedences)
         self.bound = max(self._precedences[self._next].at - self._standoff, 0.0) if held else math.inf

@@ -9,6 +9,8 @@ from social_fleet.errors import InvalidParameter
 from social_fleet.geometry import Polyline, Pose
 
 _SKIN = 0.02  # what is nearer to a robot that drives straight on is in its way [m]
+_NEARER = 0.01  # by which a robot that has come too near may come nearer yet as it drives past, ... [m]
+_LEAST = 0.01  # ... and what it keeps in any case [m]
 _STEP = 0.05  # between the places on the path that are looked at [m]
 
 
@@ -52,7 +54,7 @@ class LidarStop:
         self._spacing = path.length / count
         self._places = path.position(np.linspace(0.0, path.length, count + 1))
 
-    def horizon(self, points: np.ndarray, arc_length: float) -> float:
+    def horizon(self, points: np.ndarray, arc_length: float, pose: Pose) -> float:
         """The arc length that must not be passed [m], less than `arc_length` where the robot must not move at all.
 
         Infinite when all is free within reach.
@@ -63,13 +65,15 @@ class LidarStop:
             What was hit [m, map frame, by the robot's own pose], without what the map explains.
         arc_length : float
             Where the robot is on its path [m].
+        pose : Pose
+            Where it is [m, rad, map frame]: what is nearer to it than the margin already it may drive past, no nearer.
         """
         if self._path is None or not len(points) or self._spacing <= 0.0:
             return float("inf")
         first = min(max(int(arc_length / self._spacing), 0), len(self._places) - 1)
         last = min(first + int(self.reach / self._spacing) + 2, len(self._places))
-        free = _first_blocked(self._places[first:last], np.ascontiguousarray(points, dtype=float),
-                              self.radius + self.margin)
+        free = _first_blocked(self._places[first:last], np.ascontiguousarray(points, dtype=float), pose.x, pose.y,
+                              self.radius, self.margin)
         return float("inf") if free < 0 else (first + free) * self._spacing - self.standoff
 
     def ahead(self, points: np.ndarray, pose: Pose) -> float:
@@ -80,7 +84,7 @@ class LidarStop:
         if not len(points):
             return float("inf")
         return float(_free_ahead(np.ascontiguousarray(points, dtype=float), pose.x, pose.y, pose.yaw,
-                                 self.radius + _SKIN))
+                                 self.radius, _SKIN))
 
 
 def points_of_scan(ranges: Sequence[float], angles: Sequence[float], pose: Pose, *, range_max: float) -> np.ndarray:
@@ -101,11 +105,12 @@ def points_of_scan(ranges: Sequence[float], angles: Sequence[float], pose: Pose,
 
 
 @njit(cache=True)
-def _free_ahead(points, x, y, yaw, radius):  # type: ignore[no-untyped-def]
+def _free_ahead(points, x, y, yaw, body, skin):  # type: ignore[no-untyped-def]
     cos, sin = np.cos(yaw), np.sin(yaw)
     free = np.inf
     for point in range(len(points)):
         dx, dy = points[point, 0] - x, points[point, 1] - y
+        radius = body + min(max(np.sqrt(dx * dx + dy * dy) - body - _NEARER, 0.5 * _LEAST), skin)
         along, across = cos * dx + sin * dy, cos * dy - sin * dx
         if along > 0.0 and abs(across) < radius:
             free = min(free, max(along - np.sqrt(radius * radius - across * across), 0.0))
@@ -113,11 +118,12 @@ def _free_ahead(points, x, y, yaw, radius):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _first_blocked(places, points, clearance):  # type: ignore[no-untyped-def]
-    """The first of `places` where a point is within `clearance` and not being left behind; -1 when there is none."""
-    square = clearance * clearance
+def _first_blocked(places, points, x, y, radius, margin):  # type: ignore[no-untyped-def]
+    """The first of `places` where a point is too near and not being left behind; -1 when there is none."""
     found = -1
     for point in range(len(points)):
+        present = np.sqrt((points[point, 0] - x) ** 2 + (points[point, 1] - y) ** 2) - radius
+        square = (radius + min(max(present - _NEARER, _LEAST), margin)) ** 2
         before = np.inf
         limit = len(places) if found < 0 else found
         for place in range(limit):

@@ -45,6 +45,8 @@ class Tracker:
         Whom it waits for when it is HOLDING.
     command : Command
         The last command.
+    pose_believed : bool
+        Whether the last pose was known and no jump.
     """
 
     def __init__(self, schedule: Optional[Schedule] = None, config: TrackerConfig = TrackerConfig()) -> None:
@@ -53,6 +55,7 @@ class Tracker:
         self.state = ProgressState.IDLE
         self.reason = ""
         self.command = STANDSTILL
+        self.pose_believed = False
         self.waiting_for: Optional[Waiting] = None
         self._gate = PrecedenceGate(standoff=config.standoff, release_tolerance=config.release_tolerance)
         self._watch = PoseWatch(jump=config.pose_jump, settle=config.pose_settle)
@@ -176,6 +179,10 @@ class Tracker:
         """
         if now == self._last:
             return self.command
+        if self.arrived and self.command == STANDSTILL:
+            self._last = now
+            self.pose_believed = pose is not None and self._watch.believes(now, pose, self._limits)
+            return STANDSTILL
         period = self._elapsed(now)
         self._gate.hear(others)
         self.waiting_for = None
@@ -217,13 +224,15 @@ class Tracker:
 
     def _trouble(self, now: float, pose: Optional[Pose], stamp: Optional[float], halt: str) -> str:
         """Why the robot must not move, as a sentence; looks at the pose on the way."""
+        known = pose is not None and all(map(math.isfinite, pose))
+        self.pose_believed = known and pose is not None and self._watch.believes(now, pose, self._limits)
         if self.schedule is None or self.arrived:
             return ""
-        if pose is None or not all(map(math.isfinite, pose)):
+        if pose is None or not known:
             return "the pose is not known"
         if stamp is not None and now - stamp > self.config.pose_timeout:
             return f"the pose is {now - stamp:.2f} s old"
-        if not self._watch.believes(now, pose, self._limits):
+        if not self.pose_believed:
             return self._watch.reason
         self._pose = pose
         self._where.observe(pose, self._course)

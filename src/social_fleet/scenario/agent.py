@@ -86,9 +86,9 @@ class Agent:
                 if tracker.schedule.version != self._followed:
                     self._eyes.follow(tracker.schedule.robot.path)
                     self._followed = tracker.schedule.version
-                horizon = self._eyes.horizon(points, tracker.progress)
+                horizon = self._eyes.horizon(points, tracker.progress, pose)
                 ahead = self._eyes.ahead(points, pose)
-            if now - self._looked >= _LOOK - 1e-9:
+            if now - self._looked >= _LOOK - 1e-9 and tracker.pose_believed:
                 self._looked = now
                 self._look(now, pose, truth, points, discs, own)
         self._horizon = horizon
@@ -96,13 +96,8 @@ class Agent:
 
     def _points(self, pose: Pose, truth: Pose, discs: np.ndarray, own: int) -> np.ndarray:
         """Hits as the robot places them on the map, (N, 2) [m]."""
-        gaps = np.hypot(discs[:, 0] - truth.x, discs[:, 1] - truth.y) - discs[:, 2]
-        gaps[own] = np.inf
-        near = gaps <= _REACH
-        if not near.any():
-            return np.zeros((0, 2))
-        points = hits(truth.x, truth.y, discs[near], _REACH)
-        if pose == truth:
+        points = hits(truth.x, truth.y, discs, _REACH, own)
+        if not len(points) or pose == truth:
             return points
         shift = compose(pose, inverse(truth))
         cos, sin = math.cos(shift.yaw), math.sin(shift.yaw)

@@ -14,7 +14,7 @@ from social_fleet.scenario.fields import Fields
 from social_fleet.scenario.locations import resolve
 from social_fleet.scenario.scenario import Coordination, Expect, RobotSpec, Scenario
 from social_fleet.simulation.config import SimulationConfig
-from social_fleet.simulation.faults import DISPATCHER, FAULT_KINDS, CircleObstacle, Fault
+from social_fleet.simulation.faults import DISPATCHER, FAULT_KINDS, LASTING, CircleObstacle, Fault
 from social_fleet.simulation.network import NetworkConfig
 
 
@@ -136,7 +136,7 @@ def _fault(fields: Fields, names: Sequence[str]) -> Fault:
     kind = fields.choice("kind", FAULT_KINDS)
     values = {name: fields.number(name, above=above) for name, above in (
         ("factor", 0.0), ("distance", None), ("direction", None)) if fields.has(name)}
-    lasting = () if kind in ("pause", "slow", "lost", "jump", "silent", "restart") else (math.inf,)
+    lasting = (math.inf,) if kind in LASTING else ()
     goal = fields.numbers("goal", ("x", "y", "yaw"), optional=1) if fields.has("goal") else ()
     try:
         fault = Fault(robot=fields.choice("robot", [*names, DISPATCHER]), kind=kind, goal=goal,

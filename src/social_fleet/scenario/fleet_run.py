@@ -1,6 +1,7 @@
 """The closed loop with everything that can go wrong: robots, dispatcher, and a network between them."""
 
 import math
+from dataclasses import replace
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -17,7 +18,6 @@ from social_fleet.scenario.agent import Agent
 from social_fleet.scenario.fleet import FleetPlanner
 from social_fleet.scenario.recording import Recorder
 from social_fleet.scenario.scenario import Scenario
-from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import DISPATCHER, Fault
 from social_fleet.simulation.network import Network
 from social_fleet.simulation.world import World
@@ -58,7 +58,7 @@ class FleetRun:
 
     def __init__(self, scenario: Scenario, fleet: FleetSchedule, grid: OccupancyGrid, planners: FleetPlanner, *,
                  tracker: TrackerConfig = TrackerConfig(), recovery: RecoveryConfig = RecoveryConfig()) -> None:
-        config = SimulationConfig.from_mapping(scenario.simulation)
+        config = scenario.simulation_config
         self.scenario = scenario
         self.recovery = recovery
         self._tracker = tracker
@@ -134,7 +134,8 @@ class FleetRun:
             if name in joining:
                 continue
             agent = self._agent(name)
-            schedule = fleet[name]
+            peers = tuple(other for other in self.names if other not in joining and other != name)
+            schedule = replace(fleet[name], peers=peers)
             agent.member.tracker.follow(schedule)
             agent.member.assignment = Assignment(0, schedule, errand=1)
             agent.member.greet(0.0)
@@ -218,7 +219,7 @@ class FleetRun:
             agent = self.agents.get(name)
             reference = None if agent is None else agent.member.tracker.reference
             references.append((np.nan, np.nan) if reference is None else (reference.x, reference.y))
-        self.recorder.add(self.now, self.world.poses(), np.array(references))
+        self.recorder.add(self.now, [robot.pose for robot in self.world.robots.values()], references)
 
 
 def drive(run: FleetRun, *, deadline: float, settle: float = 1.0,

@@ -20,6 +20,7 @@ _SHARES = {"pause": 0.35, "slow": 0.15, "lost": 0.1, "jump": 0.12, "silent": 0.1
 _BUSY = 60.0  # faults begin within so long [s]
 POSITION_ERROR = 0.03  # bound of localisation's error [m]; doc/execution.md says what is guaranteed up to it
 HEADING_ERROR = 0.02  # [rad]
+WALL_MARGIN = 0.12  # half of it, all that there is in tight spots, covers errors of localisation and tracking [m]
 
 
 def random_faulty_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: str, map_path: str) -> Scenario:
@@ -36,7 +37,8 @@ def random_faulty_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_n
         When so many robots find no room on the map.
     """
     chance = random.Random(seed)
-    scenario = random_scenario(grid, robots, seed=seed, map_name=map_name, map_path=map_path, mixed=True)
+    scenario = random_scenario(grid, robots, seed=seed, map_name=map_name, map_path=map_path, mixed=True,
+                               room=0.5 * WALL_MARGIN)
     faults = [fault for robot in scenario.robots for fault in _faults(robot, scenario.robots, grid, chance)]
     if chance.random() < 0.2:
         kind = chance.choice(("restart", "silent"))
@@ -45,7 +47,7 @@ def random_faulty_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_n
     simulation = {"position_error": _round(chance.uniform(0.0, POSITION_ERROR), 3),
                   "heading_error": _round(chance.uniform(0.0, HEADING_ERROR), 3), "seed": seed}
     return replace(scenario, faults=tuple(faults), obstacles=tuple(_obstacles(scenario, grid, chance)),
-                   network=network, simulation=simulation, expect=Expect())
+                   network=network, simulation=simulation, planner={"wall_margin": WALL_MARGIN}, expect=Expect())
 
 
 def _faults(robot: RobotSpec, fleet: Sequence[RobotSpec], grid: OccupancyGrid, chance: random.Random) -> List[Fault]:
@@ -76,7 +78,7 @@ def _faults(robot: RobotSpec, fleet: Sequence[RobotSpec], grid: OccupancyGrid, c
 def _other_goal(robot: RobotSpec, fleet: Sequence[RobotSpec], grid: OccupancyGrid,
                 chance: random.Random) -> Optional[Tuple[float, ...]]:
     """A place apart from all starts and goals; None when none is found at once."""
-    space = ConfigurationSpace(grid, robot.radius)
+    space = ConfigurationSpace(grid, robot.radius + 0.5 * WALL_MARGIN)
     try:
         pairs = random_pose_pairs(space, 8, seed=chance.randrange(1 << 30))
     except InvalidInput:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
+from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
 from social_fleet.simulation.network import NetworkConfig
 
@@ -108,6 +109,16 @@ class Scenario:
         _check_names(self.robots, self.source)
         for end in ("start", "goal"):
             _check_apart(self.robots, end, self.coordination.tracking_tolerance, self.source)
+
+    @property
+    def is_undisturbed(self) -> bool:
+        """Whether nothing is to go wrong."""
+        return not (self.faults or self.obstacles) and self.network == NetworkConfig()
+
+    @property
+    def simulation_config(self) -> SimulationConfig:
+        """Of the simulated robots."""
+        return SimulationConfig.from_mapping(self.simulation)
 
     @property
     def name(self) -> str:

@@ -15,7 +15,7 @@ from social_fleet.scenario.recording import Recording
 from social_fleet.scenario.scenario import RobotSpec, Scenario
 from social_fleet.simulation.faults import CircleObstacle
 
-_ROOM = 0.35  # what robots keep from others that stand for good, beyond both discs, and to walls: less may be no way [m]
+_ROOM = 0.35  # what robots keep from others that stand for good, beyond both discs: less may be no way [m]
 _ROUNDING = 1e-6
 _DEFAULTS = {"max_acceleration": 1.0, "max_turn_rate": 1.5, "max_turn_acceleration": 3.0}
 

@@ -7,6 +7,9 @@ from typing import Iterable, Sequence, Tuple
 from social_fleet.errors import InvalidScenario
 
 FAULT_KINDS = ("pause", "slow", "lost", "jump", "silent", "restart", "dead", "errand", "join")
+LASTING = ("dead", "errand", "join")
+"""Those that do not come to an end."""
+
 DISPATCHER = "dispatcher"
 """Whom a fault may befall besides robots."""
 
@@ -60,7 +63,7 @@ class Fault:
             raise InvalidScenario(f"the dispatcher can be silent or restart, not {self.kind!r}", field="kind")
         if not (math.isfinite(self.at) and self.at >= 0.0):
             raise InvalidScenario(f"must be a time that is not negative, not {self.at!r}", field="at")
-        if not self.duration >= 0.0:
+        if not (self.duration >= 0.0 and (math.isfinite(self.duration) or self.kind in LASTING)):
             raise InvalidScenario(f"must be a time that is not negative, not {self.duration!r}", field="duration")
         if not 0.0 < self.factor <= 1.0:
             raise InvalidScenario(f"must be greater than 0 and at most 1, not {self.factor!r}", field="factor")

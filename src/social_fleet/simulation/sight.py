@@ -12,7 +12,7 @@ from social_fleet.simulation.lidar import cast_rays
 _BEAM = math.radians(2.0)  # between two beams [rad]
 
 
-def hits(x: float, y: float, discs: np.ndarray, reach: float) -> np.ndarray:
+def hits(x: float, y: float, discs: np.ndarray, reach: float, own: int = -1) -> np.ndarray:
     """Where beams from (x, y) hit discs within reach, (N, 2) [m, map frame], disc after disc, each in beam order.
 
     Parameters
@@ -21,8 +21,10 @@ def hits(x: float, y: float, discs: np.ndarray, reach: float) -> np.ndarray:
         Centres and radii [m, map frame].
     reach : float
         Range of the lidar [m].
+    own : int
+        Row of the disc that looks; -1 when it is none of them.
     """
-    return _hits(x, y, np.ascontiguousarray(discs, dtype=float), reach, _BEAM)
+    return _hits(x, y, discs, reach, _BEAM, own)
 
 
 def in_sight(grid: OccupancyGrid, x: float, y: float, other: Tuple[float, float]) -> bool:
@@ -35,8 +37,16 @@ def in_sight(grid: OccupancyGrid, x: float, y: float, other: Tuple[float, float]
 
 
 @njit(cache=True)
-def _hits(x, y, discs, reach, beam):  # type: ignore[no-untyped-def]
-    points = np.empty((64, 2))
+def _hits(x, y, all_discs, reach, beam, own):  # type: ignore[no-untyped-def]
+    near = np.empty(len(all_discs), np.int64)
+    found = 0
+    for disc in range(len(all_discs)):
+        reached = reach + all_discs[disc, 2]
+        if disc != own and (all_discs[disc, 0] - x) ** 2 + (all_discs[disc, 1] - y) ** 2 <= reached * reached:
+            near[found] = disc
+            found += 1
+    discs = all_discs[near[:found]]
+    points = np.empty((64 if found else 0, 2))
     count = 0
     for disc in range(len(discs)):
         dx, dy, radius = discs[disc, 0] - x, discs[disc, 1] - y, discs[disc, 2]

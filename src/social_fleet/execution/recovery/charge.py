@@ -55,7 +55,7 @@ class Charge:
 
     def hear(self, report: Report) -> None:
         """Take in a later report."""
-        if (report.session, report.stamp) <= (self.report.session, self.report.stamp):
+        if report.age <= self.report.age:
             return
         if report.session != self.report.session or report.stamp - self.report.stamp > self._config.gone:
             self.known_since = report.stamp
@@ -106,6 +106,11 @@ class Charge:
         """Whether it is late, and not for having to wait."""
         return (self._monitor is not None and self._monitor.is_late
                 and self.report.state not in (ProgressState.HOLDING, ProgressState.ARRIVED))
+
+    @property
+    def is_unserved(self) -> bool:
+        """Whether it has an errand and no schedule that leads to its goal."""
+        return self.report.errand is not None and bool(self.report.unserved)
 
     def rest(self, now: float) -> float:
         """For how long it has stood though it could have moved [s]."""

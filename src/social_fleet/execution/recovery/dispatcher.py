@@ -5,7 +5,7 @@ It keeps nothing that a robot's report does not tell: started anew, it goes on. 
 
 import logging
 import math
-from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
 from social_fleet.execution.recovery.charge import Charge
 from social_fleet.execution.recovery.config import RecoveryConfig
@@ -21,6 +21,7 @@ log = logging.getLogger(__name__)
 
 _GATHERING = 1.0  # a new robot is heard for so long before anything is planned with it: others may come, too [s]
 _ROOM = 0.25  # kept to robots that stand for good, beyond their disc [m]
+_AGAIN = "is tried again"
 _REST = 2.0  # a robot that stands for less is expected to go on at once [s]
 
 
@@ -59,9 +60,9 @@ class Dispatcher:
         self.assignments: Dict[str, Assignment] = {}
         self._silent: FrozenSet[str] = frozenset()
         self._standing: FrozenSet[str] = frozenset()
-        self._seen = 0
-        self._tried_at = -math.inf
         self._said = -math.inf
+        self._began: Optional[float] = None
+        self._mentioned: Set[str] = set()
 
     def hear(self, report: Report) -> None:
         """Take in what a robot says; older news than known is passed over."""
@@ -69,10 +70,13 @@ class Dispatcher:
             self._charges[report.name] = Charge(report, self.config)
         else:
             self._charges[report.name].hear(report)
+        if report.schedule is not None:
+            self._mentioned.update(report.schedule.peers)
         self._sightings.hear(report)
 
     def step(self, now: float) -> Optional[Directive]:
         """What is to be said to all robots at `now` [s]; None when there is nothing new, nor time to say it again."""
+        self._began = now if self._began is None else self._began
         before = self._exchange, len(self.assignments)
         if self._need is not None:
             self._collect(now)
@@ -98,8 +102,12 @@ class Dispatcher:
         live = self._live(now)
         if not live or any(now - charge.known_since < _GATHERING for charge in live):
             return None
+        if self._mentioned - set(self._charges) and now - (self._began or 0.0) < self.config.gone:
+            return None  # just started: who was not heard of yet may still drive
         names = [charge.name for charge in live]
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
+        if _AGAIN in causes.values():  # together, for they may be in each other's way
+            causes.update((charge.name, _AGAIN) for charge in live if charge.name not in causes and charge.is_unserved)
         silent = frozenset(self._charges) - frozenset(names)
         standing = frozenset(charge.name for charge in live if charge.rest(now) >= self.config.stuck)
         if silent - self._silent or standing - self._standing:
@@ -137,7 +145,7 @@ class Dispatcher:
             return ""
         if report.unserved and errand:
             changed = charge.circumstances != (self._sightings.version, self._silent, self._standing)
-            return "is tried again" if not report.final or changed else ""
+            return _AGAIN if not report.final or changed else ""
         if report.blocked >= self.config.obstacle_patience:
             return "has something in its way"
         return ""
@@ -167,6 +175,8 @@ class Dispatcher:
         live = self._live(now)
         if any(charge.report.exchange != self._exchange for charge in live):
             return
+        if any(charge.report.version and charge.schedule is None for charge in live):
+            return  # nobody has said yet what it follows
         if any(charge.report.pose is None and (charge.report.version == 0 or charge.report.astray) for charge in live):
             return  # nobody knows where it is, itself included
         need, self._need = self._need, None
@@ -174,7 +184,8 @@ class Dispatcher:
         request = Request(
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
-            silent=self._silent, give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
+            doubtful=self._sightings.doubtful, silent=self._silent,
+            give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
         self.assignments = self._replanning.assignments(request)
         for charge in live:
             charge.give(self.assignments[charge.name], now, anew=charge.name in need.robots,
@@ -191,7 +202,7 @@ class Dispatcher:
         """Where robots are that are not to be waited for."""
         places: Dict[str, Tuple[DiscObstacle, ...]] = {}
         for name in sorted(self._silent):
-            places[name] = tuple(shape for key, shape in self._sightings.obstacles.items() if key.startswith(name + "#"))
+            places[name] = self._sightings.places(name)
         for charge in live:
             pose, radius = charge.report.pose, charge.report.body.radius
             if charge.name in self._standing and pose is not None:

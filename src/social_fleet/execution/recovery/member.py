@@ -15,6 +15,7 @@ from social_fleet.execution.tracker import Tracker
 from social_fleet.geometry import Pose
 from social_fleet.planning.overlays.shapes import DiscObstacle
 
+_WAITS = "it stands off its path and waits for another"
 _AWAY = 0.3  # so far from where it was held up it is so no longer [m]
 _FREE_AGAIN = 3.0  # nor after nothing has been in its way for so long [s]
 _AT_OBSTACLE = 0.15  # a robot that stands so close before what its lidar bounds is held up by it [m]
@@ -100,8 +101,7 @@ class Member:
     def hear_report(self, report: Report) -> None:
         """Take in what another robot says; older news than known is passed over."""
         known = self.others.get(report.name)
-        if report.name == self.name or (known is not None and (report.session, report.stamp)
-                                               <= (known.session, known.stamp)):
+        if report.name == self.name or (known is not None and report.age <= known.age):
             return
         self.others[report.name] = report
         self._heard[report.name] = ReportedProgress(report.version, report.arc_length, report.stamp)
@@ -124,7 +124,7 @@ class Member:
             self.lapsed = True
             self.bound = min(self.bound, self.tracker.stopping_arc_length())
         command = self.tracker.step(now, pose, self._heard, pose_stamp=pose_stamp, horizon=min(horizon, self.bound),
-                                    ahead=ahead, halt="it stands off its path and waits for another" if self._standing else "")
+                                    ahead=ahead, halt=_WAITS if self._standing else "")
         self._watch(now, min(horizon - self.tracker.progress, ahead), command)
         if self._asked > self.exchange:
             self._promise()

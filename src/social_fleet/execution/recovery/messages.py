@@ -97,6 +97,11 @@ class Report:
     waiting_for: Optional[Waiting] = None
     schedule: Optional[Schedule] = None
 
+    @property
+    def age(self) -> Tuple[int, float]:
+        """Of two reports of a robot, the later one has the greater."""
+        return self.session, self.stamp
+
 
 @dataclass(frozen=True)
 class Assignment:

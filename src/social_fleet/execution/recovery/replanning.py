@@ -11,7 +11,7 @@ from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.repair import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import Schedule
-from social_fleet.errors import Infeasible, InvalidInput, InvalidPose, NoPath, SocialFleetError
+from social_fleet.errors import Infeasible, InvalidGoal, InvalidInput, InvalidStart, NoPath, SocialFleetError
 from social_fleet.execution.recovery.messages import Assignment
 from social_fleet.execution.recovery.decision import SIMULTANEOUS, Need
 from social_fleet.execution.recovery.remaining import ContinuingReplanner, Remaining, joined
@@ -21,7 +21,7 @@ from social_fleet.planning.planner import SocialPlanner
 
 log = logging.getLogger(__name__)
 
-_PLANNERS_ROOM = 0.01  # beside an obstacle for a plan to begin there [m]
+_SPARE_CELLS = (0.1, 0.5, 1.0, 2.0)  # tried one after the other
 _SMALLEST = 0.05  # radius of an obstacle [m]
 _LONGEST_REST = 60.0  # that a robot is expected to stand on at the most [s]
 
@@ -56,6 +56,9 @@ class Request:
         What the map does not hold.
     standing : mapping of str to tuple of DiscObstacle
         The places of robots that do not move, by their names: others are led round them.
+    doubtful : frozenset of str
+        Obstacles where a silent robot may be, but was not seen: driven through where there is no other way, for the
+        lidar sees it if it is there.
     silent : frozenset of str
         Those among them that take no part, and cannot be waited for.
     give_up : frozenset of str
@@ -69,6 +72,7 @@ class Request:
     rests: Mapping[str, float] = field(default_factory=dict)
     obstacles: Mapping[str, DiscObstacle] = field(default_factory=dict)
     standing: Mapping[str, Tuple[DiscObstacle, ...]] = field(default_factory=dict)
+    doubtful: FrozenSet[str] = frozenset()
     silent: FrozenSet[str] = frozenset()
     give_up: FrozenSet[str] = frozenset()
 
@@ -106,7 +110,8 @@ class Replanning:
                 item.report.session, replace(schedules[name], peers=tuple(peer for peer in peers if peer != name)),
                 origin=0.0 if schedules[name].robot.committed is None else job.origin(item, schedules[name]),
                 errand=0 if errand is None else errand.number, reason=reason,
-                final=bool(reason) and (name in request.give_up or item.report.final and reason == item.report.unserved),
+                final=bool(reason) and (name in request.give_up or (item.report.final
+                                                                    and reason == item.report.unserved)),
                 temporary=name in job.temporary)
         return result
 
@@ -132,7 +137,8 @@ class _Job:
         while True:
             former = [schedule for name, robot in robots.items() if name not in free and name in self._kept
                       for schedule in [by_name[name].former(robot)] if schedule is not None]
-            replanner = ContinuingReplanner(PlannerReplanner(self._planner_for), list(by_name.values()))
+            replanner = ContinuingReplanner(PlannerReplanner(
+                self._planner_for, overlays=self.request.obstacles), list(by_name.values()))
             try:
                 fleet = coordinate(list(robots.values()), former=former, time_margin=self.options.time_margin,
                                    tracking_tolerance=self.options.tracking_tolerance,
@@ -182,9 +188,12 @@ class _Job:
         depart = self.request.now + min(self.request.rests.get(name, 0.0), _LONGEST_REST)
         if report.errand is None:
             return item.staying(depart)
-        anew = name in self.request.need.new_paths
+        anew = name in self.request.need.new_paths or report.errand.number != report.serving
         if report.unserved and report.errand.number == report.serving and not anew:
             self.reasons[name] = report.unserved
+            return item.staying(depart)
+        if name in self.request.give_up and report.blocked > 0.0:
+            self.reasons[name] = f"something has held {name} up for {report.blocked:.0f} s, and no way round it helped"
             return item.staying(depart)
         obstructed = self._obstructed(item)
         if item.schedule is not None and not anew and not obstructed:
@@ -211,12 +220,20 @@ class _Job:
                   for number, shape in enumerate(shapes)}
         overlays = {**self.request.obstacles, **others}
         planner = self._planner_for(report.body.radius)
-        try:
-            return planner.plan(item.end, report.errand.goal, overlays=overlays)
-        except InvalidPose:
-            # it may stand nearer to an obstacle than a plan may begin
-            shrunk = {name: _beside(shape, item.end, report.body.radius) for name, shape in overlays.items()}
-            return planner.plan(item.end, report.errand.goal, overlays=shrunk)
+        certain = {name: shape for name, shape in overlays.items() if name not in self.request.doubtful}
+        for attempt in (overlays, certain):
+            # it may stand nearer to an obstacle than a plan may begin; and obstacles are blocked cells to the planner
+            for cells in _SPARE_CELLS:
+                shrunk = {name: _beside(shape, item.end, report.body.radius, cells * planner.grid.resolution)
+                          for name, shape in attempt.items()}
+                try:
+                    return planner.plan(item.end, report.errand.goal, overlays=shrunk)
+                except InvalidStart as error:
+                    failure: SocialFleetError = error
+                except (InvalidGoal, NoPath) as error:
+                    failure = error
+                    break
+        raise failure
 
     def _obstructed(self, item: Remaining) -> FrozenSet[str]:
         """Robots that stand for good in the way that is left, behind what the robot is committed to."""
@@ -271,9 +288,9 @@ def _as_before(request: Request) -> Optional[Dict[str, Schedule]]:
     return result
 
 
-def _beside(shape: DiscObstacle, pose: Pose, radius: float) -> DiscObstacle:
-    """An obstacle no larger than leaves a robot room to stand at `pose`."""
-    room = math.hypot(shape.x - pose.x, shape.y - pose.y) - radius - _PLANNERS_ROOM
+def _beside(shape: DiscObstacle, pose: Pose, radius: float, spare: float) -> DiscObstacle:
+    """An obstacle no larger than leaves a robot room to stand at `pose`, and `spare` [m] more."""
+    room = math.hypot(shape.x - pose.x, shape.y - pose.y) - radius - spare
     return shape if shape.radius <= room else DiscObstacle(shape.x, shape.y, max(room, _SMALLEST))
 
 

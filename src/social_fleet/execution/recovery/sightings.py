@@ -1,13 +1,12 @@
 """What the fleet has seen that the map does not hold, until somebody sees it gone."""
 
 import math
-from typing import Dict, Iterable, Mapping, Sequence, Set
+from typing import Dict, FrozenSet, Iterable, Mapping, Sequence, Set, Tuple
 
 from social_fleet.execution.recovery.messages import Report
 from social_fleet.planning.overlays.shapes import DiscObstacle
 
 SPARE = 0.1  # what is kept from obstacles, of which one side is seen only [m]
-_SAME = 0.3  # what is so close to the disc of a robot is that robot [m]
 
 
 class Sightings:
@@ -45,6 +44,15 @@ class Sightings:
         self.obstacles.update({f"{name}#{self._silent}/{number}": shape for number, shape in enumerate(shapes)})
         self.version += 1
 
+    @property
+    def doubtful(self) -> FrozenSet[str]:
+        """Names of places where a silent robot may be, all but the one that it last reported."""
+        return frozenset(key for key in self.obstacles if "#" in key and not key.endswith("/0"))
+
+    def places(self, name: str) -> Tuple[DiscObstacle, ...]:
+        """Where the robot `name`, which is silent, may be."""
+        return tuple(shape for key, shape in self.obstacles.items() if key.startswith(f"{name}#"))
+
     def drop(self, name: str) -> None:
         """The robot `name` is heard of again."""
         kept = {key: shape for key, shape in self.obstacles.items() if not key.startswith(f"{name}#")}
@@ -53,8 +61,8 @@ class Sightings:
             self.version += 1
 
     def beside(self, reports: Iterable[Report]) -> Mapping[str, DiscObstacle]:
-        """The obstacles that are no robot of those that report."""
+        """The obstacles that are no robot of those that report: none has its middle in a robot."""
         places = [(report.pose, report.body.radius) for report in reports]
         return {name: DiscObstacle(shape.x, shape.y, shape.radius + SPARE) for name, shape in self.obstacles.items()
-                if not any(pose is not None and math.hypot(pose.x - shape.x, pose.y - shape.y) < radius + _SAME
+                if not any(pose is not None and math.hypot(pose.x - shape.x, pose.y - shape.y) < radius
                            for pose, radius in places)}
