@@ -57,7 +57,7 @@ class LidarStopTest(unittest.TestCase):
         wait_until(lambda: self.waits.messages and self.waits.messages[-1].waits
                    and not self.waits.messages[-1].other, "blue to wait", PATIENCE)
         self.assertIn("stands in the way", self.waits.messages[-1].reason)
-        wait_until(lambda: self.states.messages[-1].state == NavigationStatus.WAITING, "the navigator to wait", PATIENCE)
+        wait_until(lambda: self.states.messages[-1].state == NavigationStatus.WAITING, "blue's goal to wait", PATIENCE)
         self.assertGreater(self.closest(*CLOSED), 0.0)
         self.assertLess(self.reports.messages[-1].pose.x, 20.0)
 

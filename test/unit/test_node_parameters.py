@@ -13,6 +13,7 @@ from social_fleet.errors import InvalidScenario  # noqa: E402
 from social_fleet.execution.navigation_state import NavigationConfig  # noqa: E402
 from social_fleet.files import read_yaml  # noqa: E402
 from social_fleet.parameters import from_mapping  # noqa: E402
+from social_fleet.ros.eyes import EyesParameters  # noqa: E402
 from social_fleet.ros.fake_robots import FakeRobotsParameters  # noqa: E402
 from social_fleet.ros.fleet_coordinator import FleetCoordinatorParameters, as_scenario  # noqa: E402
 from social_fleet.ros.navigator import NavigatorParameters  # noqa: E402
@@ -57,3 +58,9 @@ def test_a_scenario_goes_before_the_coordinators_parameters_unless_its_robots_mi
     file.write_text(text + "\ncoordination: {formulation: paper}\n")
     with pytest.raises(InvalidScenario, match="coordination.formulation: must be exact"):
         as_scenario(FleetCoordinatorParameters(scenario=str(file)))
+
+
+def test_the_trackers_lidar_has_its_defaults() -> None:
+    shown = read_yaml(ROOT / "config" / "trajectory_tracker.yaml")
+    assert from_mapping(EyesParameters, shown["lidar"]) == EyesParameters()
+    assert set(shown["lidar"]) == {field.name for field in dataclasses.fields(EyesParameters)}

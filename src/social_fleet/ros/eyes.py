@@ -5,7 +5,7 @@ import threading
 from collections import deque
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Deque, Mapping, Optional, Tuple
+from typing import Any, Deque, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -37,11 +37,22 @@ _BESIDE = 0.2  # hits so close to a robot's disc, where it says that it is, are 
 class EyesParameters:
     """How a tracker uses its lidar."""
 
-    margin: float = parameter(0.05, above=0.0)  # kept to what is seen, beyond the robot's disc [m]
+    margin: float = parameter(0.03, above=0.0)  # kept to what is seen, beyond the robot's disc [m]
+    standoff: float = parameter(0.12, above=0.0)  # how far before it would come so near the robot stands [m]
     reach: float = parameter(3.0, above=0.0)  # how far ahead the way has to be free to be driven at full speed [m]
     range_max: float = parameter(6.0, above=0.0)  # hits farther away are left out [m]
     wall_margin: float = parameter(0.25, minimum=0.0)  # hits so close to a wall of the map are of that wall [m]
     timeout: float = parameter(1.0, above=0.0)  # a lidar that is silent for so long stops the robot [s]
+
+
+class View(NamedTuple):
+    """How far a robot may drive by what its lidar sees."""
+
+    horizon: float  # along its path, by arc length [m]
+    ahead: float  # straight on, where it is off its path [m]
+
+
+FREE = View(math.inf, math.inf)
 
 
 class Eyes:
@@ -65,13 +76,13 @@ class Eyes:
     Attributes
     ----------
     reason : str
-        Why the horizon is finite, as a sentence.
+        Why the view is not free, as a sentence.
     """
 
     def __init__(self, robot: str, radius: float, clock: FleetClock, frames: Frames, config: EyesParameters) -> None:
         self.reason = ""
         self._config, self._clock, self._frames = config, clock, frames
-        self._stop = LidarStop(radius, margin=config.margin, reach=config.reach)
+        self._stop = LidarStop(radius, margin=config.margin, standoff=config.standoff, reach=config.reach)
         self._watch = ObstacleWatch(robot)
         self._known: Mapping[str, DiscObstacle] = {}
         self._lock = threading.Lock()
@@ -102,9 +113,9 @@ class Eyes:
         self._watch.forget([name for name in self._known if name not in obstacles])
         self._known = obstacles
 
-    def horizon(self, now: float, pose: Optional[Pose], base: str, tracker: Tracker,
-                others: Mapping[str, Report]) -> float:
-        """The arc length that must not be passed [m]; infinite when the way is free.
+    def view(self, now: float, pose: Optional[Pose], base: str, tracker: Tracker,
+             others: Mapping[str, Report]) -> View:
+        """How far the way is free.
 
         Parameters
         ----------
@@ -122,20 +133,22 @@ class Eyes:
         with self._lock:
             points, scanned = self._points, self._scanned
         if scanned is None or tracker.schedule is None:
-            return math.inf
+            return FREE
         if now - scanned > self._config.timeout:
-            self.reason = f"the lidar has said nothing for {now - scanned:.1f} s"
-            return -math.inf
+            self.reason = "the lidar says nothing"
+            return View(-math.inf, 0.0)
+        if pose is None:
+            return FREE
         if tracker.schedule is not self._followed:
             self._followed = tracker.schedule
             self._stop.follow(tracker.schedule.robot.path)
-        if pose is not None and now - self._looked >= _LOOK:
+        if now - self._looked >= _LOOK and tracker.pose_believed:
             self._looked = now
             self._look(now, pose, points, others)
-        horizon = self._stop.horizon(points, tracker.progress)
+        horizon = self._stop.horizon(points, tracker.progress, pose)
         if math.isfinite(horizon):
             self.reason = f"something stands in the way at {horizon:.1f} m"
-        return horizon
+        return View(horizon, self._stop.ahead(points, pose))
 
     def _look(self, now: float, pose: Pose, points: np.ndarray, others: Mapping[str, Report]) -> None:
         """Look for obstacles among the hits that neither map nor robots explain."""

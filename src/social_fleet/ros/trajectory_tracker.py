@@ -1,6 +1,5 @@
 """The node trajectory_tracker, one per robot: drives it along its schedule, and holds to what it promises the fleet."""
 
-import math
 import threading
 import time
 from dataclasses import dataclass
@@ -208,13 +207,13 @@ class TrajectoryTracker:
         now = self._clock.seconds(stamp)
         measured_at = None if measured is None else self._clock.seconds(measured)
         reference = self._tracker.reference or pose  # of this moment: the step moves it on
-        horizon = self._eyes.horizon(now, pose, self._base, self._tracker, self._member.others)
+        view = self._eyes.view(now, pose, self._base, self._tracker, self._member.others)
         self._member.obstacles, self._member.cleared = self._eyes.obstacles, self._eyes.cleared
         if not self._directed:
             self._member.greet(now)
-        command = self._member.step(now, pose, pose_stamp=measured_at, horizon=horizon)
+        command = self._member.step(now, pose, pose_stamp=measured_at, horizon=view.horizon, ahead=view.ahead)
         self._cmd_vel.publish(conversions.twist_to_message(command.speed, command.turn_rate))
-        self._reports.step(stamp, pose, reference, "" if horizon == math.inf else self._eyes.reason)
+        self._reports.step(stamp, pose, reference, self._eyes.reason)
         self._health.note(now, measured_at)
 
     def _stop(self) -> None:
