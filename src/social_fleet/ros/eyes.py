@@ -38,7 +38,7 @@ class EyesParameters:
     """How a tracker uses its lidar."""
 
     margin: float = parameter(0.03, above=0.0)  # kept to what is seen, beyond the robot's disc [m]
-    standoff: float = parameter(0.12, above=0.0)  # how far before it would come so near the robot stands [m]
+    standoff: float = parameter(0.25, above=0.0)  # how far before it would come so near the robot stands [m]
     reach: float = parameter(3.0, above=0.0)  # how far ahead the way has to be free to be driven at full speed [m]
     range_max: float = parameter(6.0, above=0.0)  # hits farther away are left out [m]
     wall_margin: float = parameter(0.25, minimum=0.0)  # hits so close to a wall of the map are of that wall [m]

@@ -124,7 +124,7 @@ class TrackerReports:
         if waiting is not None:
             wait = waiting.other, waiting.at
         elif obstructed and tracker.command == STANDSTILL and not tracker.arrived:
-            wait = "", obstructed
+            wait = ("",)
         if wait == self._wait:
             return
         self._wait = wait
