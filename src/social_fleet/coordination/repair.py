@@ -10,6 +10,7 @@ from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import Infeasible, InvalidPose, NoPath
 from social_fleet.geometry import Pose
+from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
@@ -76,8 +77,14 @@ class PlannerReplanner(Replanner):
 
     def _places(self, robot: Robot, others: Sequence[Robot], distance: float) -> List[Tuple[float, float]]:
         """Free places near the robot's start that keep clear of the others' paths, nearest first, apart."""
+        planner = self._planner_for(robot.body_radius)
+        return (self._places_in(planner.way, robot, others, distance)
+                or self._places_in(planner.space, robot, others, distance))
+
+    @staticmethod
+    def _places_in(space: ConfigurationSpace, robot: Robot, others: Sequence[Robot],
+                   distance: float) -> List[Tuple[float, float]]:
         from scipy.spatial import cKDTree
-        space = self._planner_for(robot.body_radius).space
         stride = max(1, int(round(0.3 / space.grid.resolution)))
         rows, columns = np.nonzero(space.free[::stride, ::stride])
         places = space.grid.centres(np.stack((rows, columns), axis=1) * stride)

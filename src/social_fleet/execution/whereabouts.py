@@ -52,7 +52,10 @@ class Whereabouts:
         high = min(reference + _WINDOW, course.next_stop.arc_length)
         if high > self.progress:
             low = min(max(self.progress, reference - _WINDOW), high)
-            self.progress = max(self.progress, course.path.project(pose.x, pose.y, low, high))
+            reached = course.path.project(pose.x, pose.y, low, high)
+            if (reached > self.progress and distance(pose, course.path.pose(course.driven_leg, reached))
+                    <= 0.5 * self._config.deviation_limit):  # off its path it has reached nothing
+                self.progress = reached
         low = min(max(self.progress, course.last_stop.arc_length), reference)
         arc_length = course.path.project(pose.x, pose.y, low, reference) if low < reference else reference
         self.excursion = distance(pose, course.path.pose(course.driven_leg, arc_length))

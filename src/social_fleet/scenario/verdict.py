@@ -16,6 +16,8 @@ from social_fleet.scenario.scenario import RobotSpec, Scenario
 from social_fleet.simulation.faults import CircleObstacle
 
 _ROOM = 0.35  # what robots keep from others that stand for good, beyond both discs: less may be no way [m]
+_SPARE = 0.05  # and beyond the wall margin [m]
+_WALL_MARGIN = 0.03  # of planners, where the scenario says nothing [m]
 _ROUNDING = 1e-6
 _DEFAULTS = {"max_acceleration": 1.0, "max_turn_rate": 1.5, "max_turn_acceleration": 3.0}
 
@@ -86,7 +88,7 @@ def judge_faulty_run(scenario: Scenario, recording: Recording, commands: np.ndar
     arrivals = {name: when for name in specs for when in [_arrival(recording, name, goals[name])] if when is not None}
     dead = {fault.robot for fault in scenario.faults if fault.kind == "dead"}
     open_ = [name for name in specs if name not in arrivals and name not in dead]
-    cut_off = [name for name in open_ if not _has_way(recording, specs, name, goals[name], grid, scenario.obstacles)]
+    cut_off = [name for name in open_ if not _has_way(recording, scenario, name, goals[name], grid)]
     stranded = tuple(name for name in open_ if name not in cut_off or name not in gave_up)
     exceeded = tuple(_exceeded(recording, commands, specs))
     failures = [_sentence(contact) for contact in found] + list(exceeded)
@@ -144,18 +146,22 @@ def _arrival(recording: Recording, name: str, goal: Sequence[float]) -> Optional
     return float(recording.times[absent[-1] + 1 if len(absent) else 0])
 
 
-def _has_way(recording: Recording, specs: Mapping[str, RobotSpec], name: str, goal: Sequence[float],
-             grid: OccupancyGrid, obstacles: Sequence[CircleObstacle]) -> bool:
-    """Whether a robot could still drive from where it ended to its goal, with all others standing where they ended."""
-    radius = specs[name].radius
+def _has_way(recording: Recording, scenario: Scenario, name: str, goal: Sequence[float], grid: OccupancyGrid) -> bool:
+    """Whether a robot could still drive from where it ended to its goal, with all others standing where they ended.
+
+    It keeps the scenario's wall margin from everything, `_SPARE` more from walls, and `_ROOM` more from what stands.
+    """
+    specs = {spec.name: spec for spec in scenario.robots}
+    margin = float(scenario.planner.get("wall_margin", _WALL_MARGIN))
+    radius = specs[name].radius + margin
     discs = [(*recording.poses[-1, recording.index(other), :2], spec.radius) for other, spec in specs.items()
              if other != name]
-    discs += [(obstacle.x, obstacle.y, obstacle.radius) for obstacle in obstacles
+    discs += [(obstacle.x, obstacle.y, obstacle.radius) for obstacle in scenario.obstacles
               if obstacle.present(float(recording.times[-1]))]
     rows, columns = np.indices(grid.shape)
     centres = grid.centres(np.stack((rows.ravel(), columns.ravel()), axis=1))
     clear = ndimage.distance_transform_edt(np.pad(~grid.blocked, 1, mode="constant"))[1:-1, 1:-1] * grid.resolution
-    free = (clear - 0.5 * grid.resolution > radius + 0.05).ravel()
+    free = (clear - 0.5 * grid.resolution > radius + _SPARE).ravel()
     for x, y, size in discs:
         free &= np.hypot(centres[:, 0] - x, centres[:, 1] - y) > radius + size + _ROOM
     places = (tuple(recording.poses[-1, recording.index(name), :2]), tuple(goal[:2]))

@@ -25,7 +25,7 @@ class RecoveryConfig(Parameters):
     patience: float = parameter(10.0, minimum=0.0)  # between two replans for the same robot's delay, at first [s]
     obstacle_patience: float = parameter(8.0, minimum=0.0)  # an obstacle is waited for so long before a detour [s]
     stuck: float = parameter(75.0, above=0.0)  # a robot that could move and did not for so long is planned round [s]
-    astray: float = parameter(10.0, minimum=0.0)  # a robot off its path waits so long before it asks for another [s]
+    astray: float = parameter(5.0, minimum=0.0)  # a robot off its path waits so long before it asks for another [s]
     retry: float = parameter(10.0, above=0.0)  # for robots that could not be served [s]
     give_up: float = parameter(120.0, above=0.0)  # a goal that cannot be reached for so long is given up [s]
 

@@ -8,7 +8,7 @@ import numpy as np
 from social_fleet.coordination.repair import PlannerReplanner, Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import Schedule
-from social_fleet.coordination.timing import Timing
+from social_fleet.coordination.timing import ACCELERATION_SHARE, Timing
 from social_fleet.execution.recovery.messages import Report
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.planning.overlays.discs import Disc
@@ -77,9 +77,10 @@ class Remaining:
     def robot(self, path: Polyline, *, depart: float, goal_yaw: Optional[float]) -> Robot:
         """The robot on `path`, which begins with the prefix, under way from `depart` [s] on."""
         report, limits = self.report, self.report.body.limits
+        lead = 0.5 * report.speed / (ACCELERATION_SHARE * limits.max_acceleration)  # schedules begin from standstill
         standing = abs(report.speed) < _STANDING and report.pose is not None
         return Robot(report.name, path.points, max_speed=limits.max_speed, radius=report.body.radius,
-                     depart=max(depart - 0.5 * report.speed / limits.max_acceleration, 0.0),
+                     depart=max(depart - lead, 0.0),
                      start_yaw=report.pose.yaw if standing and report.pose is not None else None, goal_yaw=goal_yaw,
                      max_acceleration=limits.max_acceleration, max_turn_rate=limits.max_turn_rate,
                      max_turn_acceleration=limits.max_turn_acceleration, weight=report.body.weight,
@@ -115,8 +116,8 @@ class ContinuingReplanner(Replanner):
     ----------
     planner : PlannerReplanner
         Plans from standing starts.
-    ends : mapping-like callable
-        Where each robot will have come to, by name.
+    remaining : sequence of Remaining
+        All robots.
     """
 
     def __init__(self, planner: PlannerReplanner, remaining: Sequence[Remaining]) -> None:

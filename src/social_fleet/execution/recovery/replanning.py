@@ -216,7 +216,8 @@ class _Job:
     def _planned(self, item: Remaining):  # type: ignore[no-untyped-def]
         report = item.report
         assert report.errand is not None
-        others = {f"{name} {number}": shape for name, shapes in self.request.standing.items() if name != report.name
+        others = {f"{name} {number}": shape for name, shapes in self.request.standing.items()
+                  if name != report.name and name not in self.request.silent  # whose places are among the obstacles
                   for number, shape in enumerate(shapes)}
         overlays = {**self.request.obstacles, **others}
         planner = self._planner_for(report.body.radius)
