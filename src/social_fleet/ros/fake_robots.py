@@ -80,12 +80,14 @@ class FakeRobots:
         prefix = parameters.private_prefix()
         robots = _listed(others.pop("robots", {}), prefix)
         lidar = LidarConfig.from_mapping(others.pop("lidar", {}), prefix=f"{prefix}lidar/")
-        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         self._faults: Sequence[Fault] = ()
         self._obstacles: Sequence[CircleObstacle] = ()
         self._time_zero: Optional[float] = None
         if self._config.scenario:
-            robots += self._from_scenario(load_scenario(resolve_path(self._config.scenario)))
+            scenario = load_scenario(resolve_path(self._config.scenario))
+            others = {**others, **scenario.simulation}
+            robots += self._from_scenario(scenario)
+        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         if not robots:
             raise InvalidParameter("lists no robot; name robots or a scenario file", field=f"{prefix}robots")
         self._world = World(robots, config=simulation)
