@@ -90,7 +90,12 @@ class Dispatcher:
             return None
         self._said = now
         return Directive(now, {name: charge.report.stamp for name, charge in self._charges.items()}, self._exchange,
-                         dict(self.assignments), self._sightings.obstacles)
+                         dict(self.assignments), self._sightings.obstacles, tuple(sorted(self._missing)))
+
+    @property
+    def _missing(self) -> Set[str]:
+        """Robots that schedules name and that were never heard of."""
+        return self._mentioned - set(self._charges)
 
     def _live(self, now: float) -> List[Charge]:
         """Robots that are heard of."""
@@ -102,7 +107,7 @@ class Dispatcher:
         live = self._live(now)
         if not live or any(now - charge.known_since < _GATHERING for charge in live):
             return None
-        if self._mentioned - set(self._charges) and now - (self._began or 0.0) < self.config.gone:
+        if self._missing and now - (self._began or 0.0) < self.config.gone:
             return None  # just started: who was not heard of yet may still drive
         names = [charge.name for charge in live]
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
