@@ -75,9 +75,11 @@ class FleetDispatch:
             threading.Thread(target=work, daemon=True).start()
 
     def _hear_report(self, message: RobotReport) -> None:
+        self._inbox.append(message)
+        if message.relayed:
+            return
         self._callers.add(message._connection_header["callerid"])
         self._heard[message.robot] = message.header.stamp
-        self._inbox.append(message)
         if message.errand.number and not message.errand.idle and message.errand.number != message.schedule_version \
                 and not self.active:
             rospy.loginfo("%s has a goal: the fleet is kept supplied with schedules from now on", message.robot)
@@ -136,7 +138,7 @@ class FleetDispatch:
     def _converted(self, message: RobotReport) -> Optional[Report]:
         """The report; None while the schedule that it speaks of is not known."""
         version, key = message.schedule_version, (message.robot, message.schedule_version)
-        if version == 0 or version == self._given.get(message.robot):
+        if message.relayed or version == 0 or version == self._given.get(message.robot):
             return exchange.report_from_message(message, self._clock)
         if key not in self._adopted:
             if key not in self._following:

@@ -144,6 +144,8 @@ class TrajectoryTracker:
         with self._lock:
             self._directed = True
             self._eyes.know(directive.obstacles)
+            for report in self._member.remembered(directive):
+                self._reports.relay(report)
             if self._member.hear(directive) is not None:
                 self._take_up(next(item.schedule for item in message.assignments
                                    if item.schedule.robot == self.robot))
