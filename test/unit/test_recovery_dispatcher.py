@@ -99,6 +99,20 @@ def test_a_new_goal_opens_an_exchange_that_waits_for_all_promises() -> None:
     assert np.allclose(green.schedule.robot.path.points[-1], GOALS["green"])
 
 
+def test_without_its_goal_a_robot_stays_where_it_can_stop() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, gold={"errand": None})
+    given = fleet.pass_time(1.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert given is not None and fleet.dispatcher.decisions == ["sequential: gold has no goal any more"]
+    gold = given.assignments["gold"]
+    assert gold.errand == 0 and gold.schedule.robot.path.length == pytest.approx(gold.schedule.robot.committed)
+    confirmed = {"version": 2, "schedule": gold.schedule, "serving": 0, "bound": np.inf, "exchange": 2}
+    fleet.pass_time(3.0, gold=confirmed, green={"version": 2, "schedule": given.assignments["green"].schedule,
+                                                "bound": np.inf})
+    assert len(fleet.dispatcher.decisions) == 1
+
+
 def test_assignments_are_said_until_they_are_confirmed() -> None:
     fleet = Fleet()
     fleet.pass_time(2.0)
@@ -195,11 +209,12 @@ def test_where_no_schedule_is_found_the_former_ones_stay_in_force(monkeypatch: p
     monkeypatch.setattr(replanning, "coordinate", fails)
     fleet = Fleet()
     fleet.pass_time(2.0)
-    fleet.pass_time(1.0, gold={"blocked": CONFIG.obstacle_patience})
+    fleet.pass_time(1.0, gold={"errand": Errand(2, (14.0, 6.5))})
     given = fleet.pass_time(1.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
-    assert given is not None
+    assert given is not None and given.assignments["gold"].reason and not given.assignments["green"].reason
     for name, assignment in given.assignments.items():
         kept, old = assignment.schedule, SCHEDULES[name]
         assert assignment.origin == 0.0 and np.array_equal(kept.times, old.times) and kept.version == 2
-        assert kept.robot.path is old.robot.path and kept.robot.committed == pytest.approx(fleet.reports[name].bound)
+        assert np.array_equal(kept.robot.path.points, old.robot.path.points)
+        assert kept.robot.committed == pytest.approx(fleet.reports[name].bound)
     assert given.assignments["green"].schedule.precedences == (Precedence(6.0, "gold", 7.0, 2),)

@@ -135,7 +135,7 @@ class Dispatcher:
         report, given = charge.report, self.assignments.get(charge.name)
         errand = report.errand.number if report.errand is not None else 0
         if given is not None and given.session == report.session:
-            return "has a new goal" if errand > given.errand else ""
+            return _changed_errand(errand, given.errand)
         if report.astray:
             return "stands off its path"
         if report.lapsed:
@@ -144,8 +144,8 @@ class Dispatcher:
             return "has no schedule"
         if report.version < self._exchange:
             return "follows an old schedule"
-        if errand > report.serving:
-            return "has a new goal"
+        if errand != report.serving:
+            return _changed_errand(errand, report.serving)
         if now - charge.replanned < self.config.retry * charge.pauses:
             return ""
         if report.unserved and errand:
@@ -222,3 +222,10 @@ class Dispatcher:
             item = Remaining.of(report, charge.schedule)
             spots += stretch(item.prefix if math.isfinite(report.bound) else item.way, reach)
         return tuple(DiscObstacle(x, y, report.body.radius + _ROOM - SPARE) for x, y in spots)
+
+
+def _changed_errand(number: int, served: int) -> str:
+    """What is new about an errand other than the one that is served, or will be; 0 is none."""
+    if number == served:
+        return ""
+    return "has a new goal" if number else "has no goal any more"
