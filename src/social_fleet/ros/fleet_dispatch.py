@@ -60,7 +60,7 @@ class FleetDispatch:
         self._inbox: Deque[RobotReport] = deque()
         self._heard: Dict[str, rospy.Time] = {}  # stamp of the latest report of each robot, also while planning
         self._callers: Set[str] = set()
-        self._following: Dict[Tuple[str, int], ScheduleMessage] = {}
+        self._following: Dict[str, Dict[int, ScheduleMessage]] = {}  # by robot and version
         self._adopted: Dict[Tuple[str, int], Schedule] = {}
         self._given: Dict[str, int] = {}  # latest version that was made for each robot
         self._since = time.monotonic()
@@ -86,7 +86,10 @@ class FleetDispatch:
             self.active = True
 
     def _hear_following(self, message: ScheduleMessage) -> None:
-        self._following[message.robot, message.version] = message
+        known = self._following.get(message.robot, {})
+        latest = sorted([*known, message.version])[-2:]  # a report may still speak of the one before
+        self._following[message.robot] = {version: item for version, item in (
+            *known.items(), (message.version, message)) if version in latest}
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
@@ -141,10 +144,11 @@ class FleetDispatch:
         if message.relayed or version == 0 or version == self._given.get(message.robot):
             return exchange.report_from_message(message, self._clock)
         if key not in self._adopted:
-            if key not in self._following:
+            following = self._following.get(message.robot, {}).get(version)
+            if following is None:
                 return None
             self._adopted = {known: schedule for known, schedule in self._adopted.items() if known[0] != key[0]}
-            self._adopted[key] = exchange.schedule_from_absolute(self._following[key], self._frame, self._clock)
+            self._adopted[key] = exchange.schedule_from_absolute(following, self._frame, self._clock)
         return exchange.report_from_message(message, self._clock, self._adopted[key])
 
     def _all_heard(self) -> bool:
