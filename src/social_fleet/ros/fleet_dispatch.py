@@ -139,14 +139,15 @@ class FleetDispatch:
         return not latest
 
     def _converted(self, message: RobotReport) -> Optional[Report]:
-        """The report; None while the schedule that it speaks of is not known."""
+        """The report; None while the schedule that it speaks of is not known, and the robot not gone."""
         version, key = message.schedule_version, (message.robot, message.schedule_version)
         if message.relayed or version == 0 or version == self._given.get(message.robot):
             return exchange.report_from_message(message, self._clock)
         if key not in self._adopted:
             following = self._following.get(message.robot, {}).get(version)
             if following is None:
-                return None
+                age = (rospy.Time.now() - message.header.stamp).to_sec()
+                return None if age <= self._config.gone else exchange.report_from_message(message, self._clock)
             self._adopted = {known: schedule for known, schedule in self._adopted.items() if known[0] != key[0]}
             self._adopted[key] = exchange.schedule_from_absolute(following, self._frame, self._clock)
         return exchange.report_from_message(message, self._clock, self._adopted[key])
