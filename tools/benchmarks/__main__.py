@@ -4,7 +4,7 @@ import importlib
 import sys
 
 SUBJECTS = ("planning", "global_planner", "learning", "steadiness", "head_on",
-            "coordination", "fleets", "simulation", "execution", "nodes")
+            "coordination", "fleets", "simulation", "execution", "nodes", "control")
 
 
 def main() -> int:

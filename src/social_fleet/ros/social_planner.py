@@ -139,7 +139,7 @@ class SocialPlannerNode:
             return PlanPathResponse(status=status, message=str(error) or type(error).__name__)
         return PlanPathResponse(status=PlanPathResponse.SUCCESS, message=plan.message, path=message.path,
                                 length=plan.length, social_cost=plan.social_cost, planning_time=plan.search_time,
-                                temporary=plan.temporary)
+                                temporary=plan.temporary, radius=message.radius, max_speed=message.max_speed)
 
     def _serve_make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
         """GetPlan has no field for a reason: the log has it."""
@@ -196,7 +196,7 @@ class SocialPlannerNode:
         message = conversions.plan_to_planned_path(plan, request.robot, robot.max_speed, self._frame,
                                                    rospy.Time.now())
         self._plan.publish(message.path)
-        if request.robot:
+        if request.robot and not request.inquiry:
             self._paths.publish(message)
             fleet.count(plan)
             self._learn_in_time(fleet)
