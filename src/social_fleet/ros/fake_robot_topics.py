@@ -93,13 +93,14 @@ class FleetTopics:
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
         self._truth = rospy.Publisher("fleet/ground_truth", PoseArray, queue_size=100)
 
-    def publish_transforms(self, stamp: genpy.Time, robots: Iterable[RobotTopics]) -> None:
-        """map -> odom -> base_link of every robot, in one message."""
+    def publish_transforms(self, stamp: genpy.Time, robots: Iterable[RobotTopics], localise: bool = True) -> None:
+        """odom -> base_link of every robot, and map -> odom where it is localised, in one message."""
         transforms = []
         for topics in robots:
             robot = topics.robot
-            origin = compose(topics.estimate, inverse(robot.odometry))
-            transforms.append(_transform(stamp, self.map_frame, topics.odom_frame, origin))
+            if localise:
+                origin = compose(topics.estimate, inverse(robot.odometry))
+                transforms.append(_transform(stamp, self.map_frame, topics.odom_frame, origin))
             transforms.append(_transform(stamp, topics.odom_frame, topics.base_frame, robot.odometry))
         self._tf.publish(TFMessage(transforms))
 

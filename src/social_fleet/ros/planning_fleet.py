@@ -141,10 +141,11 @@ class PlanningFleet:
         """Make plans for robots of the configured radius fast; planning goes on meanwhile, as before."""
         self.planner(self._config.robot_radius).prepare()
 
-    def plan(self, radius: float, start: Pose, goal: Pose, *, avoid: Sequence[Disc] = (),
+    def plan(self, radius: float, start: Pose, goal: Pose, *, robot: str = "", avoid: Sequence[Disc] = (),
              tolerance: float = 0.0) -> Plan:
-        """A plan round the obstacles, for a robot of `radius` [m]; see `SocialPlanner.plan`."""
-        return self.planner(radius).plan(start, goal, avoid=avoid, overlays=self.overlays, tolerance=tolerance)
+        """A plan round the obstacles that concern `robot`, whose radius is `radius` [m]; see `SocialPlanner.plan`."""
+        return self.planner(radius).plan(start, goal, avoid=avoid, overlays=self.overlays.of(robot),
+                                         tolerance=tolerance)
 
     def count(self, plan: Plan) -> None:
         """Learn from a plan made here."""

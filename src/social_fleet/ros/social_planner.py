@@ -51,7 +51,7 @@ class SocialPlannerNode:
     Publishers
         ~plan (nav_msgs/Path): the last plan.
         ~social_graph (visualization_msgs/Marker), latched.
-        fleet/paths (PlannedPath): every plan for a robot that the request names.
+        fleet/paths (PlannedPath): every plan for a robot that the request names, unless that is an inquiry.
     Services
         ~plan_path (PlanPath), ~make_plan (nav_msgs/GetPlan).
         ~add_overlay (AddOverlay), ~clear_overlay (ClearOverlay): obstacles that the map does not hold.
@@ -154,7 +154,7 @@ class SocialPlannerNode:
             with self._lock:
                 fleet = self._ready_fleet()
                 shape = conversions.shape_from_request(request, self._frame, fleet.grid)
-                fleet.overlays.add(request.name, shape, expires=_expiry(request.lifetime))
+                fleet.overlays.add(request.name, shape, expires=_expiry(request.lifetime), robot=request.robot)
         except Exception as error:
             rospy.logwarn("the obstacle '%s' is not taken: %s", request.name, error)
             return AddOverlayResponse(status=status_of(error, OVERLAY_STATUSES),
@@ -192,11 +192,11 @@ class SocialPlannerNode:
         goal = conversions.pose_from_stamped(request.goal, self._frame, "goal", InvalidGoal)
         start = self._start(request)
         robot = self._robots.get(request.robot, self._any_robot)
-        plan = fleet.plan(robot.radius, start, goal, avoid=avoid, tolerance=request.tolerance)
+        plan = fleet.plan(robot.radius, start, goal, robot=request.robot, avoid=avoid, tolerance=request.tolerance)
         message = conversions.plan_to_planned_path(plan, request.robot, robot.max_speed, self._frame,
                                                    rospy.Time.now())
         self._plan.publish(message.path)
-        if request.robot:
+        if request.robot and not request.inquiry:
             self._paths.publish(message)
             fleet.count(plan)
             self._learn_in_time(fleet)
