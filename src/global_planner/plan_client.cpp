@@ -1,6 +1,8 @@
 #include "plan_client.h"
 
 #include <chrono>
+#include <iomanip>
+#include <sstream>
 
 #include <social_fleet/AddOverlay.h>
 #include <social_fleet/ClearOverlay.h>
@@ -235,8 +237,10 @@ PlanClient::~PlanClient()
 Answer PlanClient::ask(const PlanPathRequest& request, const Obstacles& obstacles, const ros::WallDuration& patience)
 {
   const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(patience.toNSec());
+  std::ostringstream reason;
+  reason << "no answer within " << std::setprecision(2) << patience.toSec() << " s";
   Answer nothing;
-  nothing.reason = "no answer within " + std::to_string(patience.toSec()).substr(0, 4) + " s";
+  nothing.reason = reason.str();
   std::unique_lock<std::timed_mutex> turn(one_at_a_time_, deadline);
   if (!turn.owns_lock())
     return nothing;

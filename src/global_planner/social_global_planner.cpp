@@ -88,6 +88,7 @@ void SocialGlobalPlanner::readParameters()
   own.param("pass_obstacles", parameters_.pass_obstacles, true);
   parameters_.planner_patience = atLeast(own, "planner_patience", 5.0, 0.01);
   parameters_.default_tolerance = atLeast(own, "default_tolerance", 0.0, 0.0);
+  parameters_.start_tolerance = atLeast(own, "start_tolerance", 0.3, 0.0);
   parameters_.plan_spacing = atLeast(own, "plan_spacing", 0.1, 0.01);
   parameters_.obstacle_tolerance = atLeast(own, "obstacle_tolerance", 0.2, 0.0);
   parameters_.overlay_lifetime = atLeast(own, "overlay_lifetime", 10.0, 1.0);
@@ -181,6 +182,7 @@ Answer SocialGlobalPlanner::ask(const geometry_msgs::PoseStamped& start, const g
   request.start = start;
   request.goal = goal;
   request.tolerance = tolerance;
+  request.start_tolerance = parameters_.start_tolerance;
   request.inquiry = inquiry;
   const Obstacles obstacles = unknownObstacles(start.pose.position);
   return client_->ask(request, obstacles, deadline - ros::WallTime::now());

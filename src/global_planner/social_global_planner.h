@@ -46,7 +46,7 @@ private:
   struct Parameters
   {
     std::string server, robot, fallback_planner;
-    double planner_patience, default_tolerance, plan_spacing, obstacle_tolerance, overlay_lifetime;
+    double planner_patience, default_tolerance, start_tolerance, plan_spacing, obstacle_tolerance, overlay_lifetime;
     bool pass_obstacles;
   };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <costmap_2d/cost_values.h>
 
@@ -59,10 +60,12 @@ std::vector<geometry_msgs::Point> UnknownObstacles::find(const costmap_2d::Costm
   const int parts = std::max(1, static_cast<int>(std::ceil(costmap.getResolution() / resolution_ - 1e-6)));
   const double part = costmap.getResolution() / parts;
   for (unsigned int row = 0; row < height; ++row)
-    for (unsigned int column = 0; column < width; ++column)
+  {
+    const unsigned char *begin = costs + static_cast<size_t>(row) * width, *end = begin + width, *cell = begin;
+    // A costmap has a million cells, of which a few are lethal.
+    while ((cell = static_cast<const unsigned char*>(std::memchr(cell, costmap_2d::LETHAL_OBSTACLE, end - cell))))
     {
-      if (costs[static_cast<size_t>(row) * width + column] != costmap_2d::LETHAL_OBSTACLE)
-        continue;
+      const int column = cell++ - begin;
       for (int i = 0; i < parts * parts; ++i)
       {
         geometry_msgs::Point point;
@@ -72,6 +75,7 @@ std::vector<geometry_msgs::Point> UnknownObstacles::find(const costmap_2d::Costm
           found.push_back(point);
       }
     }
+  }
   return found;
 }
 

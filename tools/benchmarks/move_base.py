@@ -1,0 +1,84 @@
+"""The real move_base with SocialGlobalPlanner on a simulated robot: goals reached, and what the plugin costs.
+
+Runs where `rospack find move_base` finds it; a workspace that it was built in can be named in
+SOCIAL_FLEET_EXTRA_WORKSPACE.
+"""
+
+import math
+import subprocess
+import time
+from typing import Any, Callable, List, Sequence, Tuple
+
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.planner import SocialPlanner
+from social_fleet.planning.random_poses import random_pose_pairs
+
+from .navigation import Robot, launched
+from .processes import LIMIT
+from .worlds import map_files, planner
+
+GOALS = 20
+NEAREST, FARTHEST = 8.0, 25.0  # [m] of path from one goal to the next
+FACTOR = 3.0  # simulated over wall time
+WITHIN = 0.3  # [m] of the goal
+WANTED = 1.2  # time of the plugin / time of PlanPath alone
+Point = Tuple[float, float]
+
+
+def run(say: Callable[[str], None]) -> bool:
+    """Whether all goals were reached and the plugin adds little; True where move_base is not there."""
+    if subprocess.run(("rospack", "find", "move_base"), capture_output=True).returncode:
+        say("skipped: rospack does not find move_base")
+        return True
+    name = "willow" if "willow" in map_files() else "office_floor"
+    stops = tour(name, GOALS)
+    with launched("robot.launch", robot="gold", map=map_files()[name], localization="fake", x=stops[0][0],
+                  y=stops[0][1], real_time_factor=FACTOR):
+        robot = Robot("gold")
+        robot.await_plan(stops[1])
+        ratio = _ratio(stops, say)
+        reached, planned = _drive(robot, stops, say)
+    say(f"{name}: {reached} of {GOALS} goals reached, {planned} paths from SocialGlobalPlanner, smallest distance from "
+        f"the map's walls {robot.smallest_gap(planner(name).space):.2f} m (radius 0.25 m)")
+    say(f"{name}: planning through the plugin / PlanPath alone {ratio:.2f}, wanted <= {WANTED}")
+    return reached == GOALS and planned >= GOALS and ratio <= WANTED
+
+
+def tour(name: str, count: int) -> List[Point]:
+    """A start and `count` goals with some room about them, each a drive of some metres from the one before."""
+    roomy = SocialPlanner(planner(name).grid, PlannerConfig(robot_radius=0.45))
+    stops: List[Point] = []
+    for pair in random_pose_pairs(roomy, 200, seed=7):
+        for place in pair:
+            point = (round(float(place[0]), 2), round(float(place[1]), 2))
+            if not stops or NEAREST <= planner(name).plan(stops[-1], point).length <= FARTHEST:
+                stops.append(point)
+                if len(stops) > count:
+                    return stops
+    raise RuntimeError(f"{name} has no tour of {count} goals")
+
+
+def _drive(robot: Any, stops: Sequence[Point], say: Callable[[str], None]) -> Tuple[int, int]:
+    """How many goals were reached, and how many paths came from the plugin."""
+    reached = 0
+    for goal in stops[1:]:
+        begun = time.monotonic()
+        state = robot.go(goal)
+        gap = math.dist(robot.position, goal)
+        reached += gap <= WITHIN
+        if gap > WITHIN:
+            say(f"not reached: {goal}, {gap:.1f} m from it after {time.monotonic() - begun:.0f} s: {state}")
+    return reached, robot.plans
+
+
+def _ratio(stops: Sequence[Point], say: Callable[[str], None]) -> float:
+    """Time of the plugin's makePlan over that of PlanPath alone, both called from C++."""
+    import rospy
+    rospy.set_param("/time_plans", {**rospy.get_param("/gold/move_base"), "SocialGlobalPlanner": {
+        **rospy.get_param("/gold/move_base/SocialGlobalPlanner"), "robot": ""}})
+    places = [str(value) for stop in stops for value in stop]
+    out = subprocess.run(("rosrun", "social_fleet", "time_plans", *places), capture_output=True, text=True,
+                         timeout=LIMIT, check=True).stdout
+    alone, plugin = map(float, out.split()[-2:])
+    say(f"a plan: PlanPath alone {1e3 * alone:.1f} ms, through the plugin {1e3 * plugin:.1f} ms")
+    return plugin / alone
