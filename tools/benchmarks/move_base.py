@@ -5,17 +5,14 @@ SOCIAL_FLEET_EXTRA_WORKSPACE.
 """
 
 import math
+import os
 import subprocess
 import time
 from typing import Any, Callable, List, Sequence, Tuple
 
-from social_fleet.planning.config import PlannerConfig
-from social_fleet.planning.planner import SocialPlanner
-from social_fleet.planning.random_poses import random_pose_pairs
-
-from .navigation import Robot, launched
+from .navigation import Robot, launched, tour
 from .processes import LIMIT
-from .worlds import map_files, planner
+from .worlds import ROOT, map_files, planner
 
 GOALS = 20
 NEAREST, FARTHEST = 8.0, 25.0  # [m] of path from one goal to the next
@@ -31,7 +28,7 @@ def run(say: Callable[[str], None]) -> bool:
         say("skipped: rospack does not find move_base")
         return True
     name = "willow" if "willow" in map_files() else "office_floor"
-    stops = tour(name, GOALS)
+    stops = tour(name, GOALS, NEAREST, FARTHEST)
     with launched("robot.launch", robot="gold", map=map_files()[name], localization="fake", x=stops[0][0],
                   y=stops[0][1], real_time_factor=FACTOR):
         robot = Robot("gold")
@@ -42,20 +39,6 @@ def run(say: Callable[[str], None]) -> bool:
         f"the map's walls {robot.smallest_gap(planner(name).space):.2f} m (radius 0.25 m)")
     say(f"{name}: planning through the plugin / PlanPath alone {ratio:.2f}, wanted <= {WANTED}")
     return reached == GOALS and planned >= GOALS and ratio <= WANTED
-
-
-def tour(name: str, count: int) -> List[Point]:
-    """A start and `count` goals with some room about them, each a drive of some metres from the one before."""
-    roomy = SocialPlanner(planner(name).grid, PlannerConfig(robot_radius=0.45))
-    stops: List[Point] = []
-    for pair in random_pose_pairs(roomy, 200, seed=7):
-        for place in pair:
-            point = (round(float(place[0]), 2), round(float(place[1]), 2))
-            if not stops or NEAREST <= planner(name).plan(stops[-1], point).length <= FARTHEST:
-                stops.append(point)
-                if len(stops) > count:
-                    return stops
-    raise RuntimeError(f"{name} has no tour of {count} goals")
 
 
 def _drive(robot: Any, stops: Sequence[Point], say: Callable[[str], None]) -> Tuple[int, int]:
@@ -77,8 +60,8 @@ def _ratio(stops: Sequence[Point], say: Callable[[str], None]) -> float:
     rospy.set_param("/time_plans", {**rospy.get_param("/gold/move_base"), "SocialGlobalPlanner": {
         **rospy.get_param("/gold/move_base/SocialGlobalPlanner"), "robot": ""}})
     places = [str(value) for stop in stops for value in stop]
-    out = subprocess.run(("rosrun", "social_fleet", "time_plans", *places), capture_output=True, text=True,
-                         timeout=LIMIT, check=True).stdout
+    program = os.path.join(ROOT, "build", "devel", "lib", "social_fleet", "time_plans")  # rosrun leaves build/ out
+    out = subprocess.run((program, *places), capture_output=True, text=True, timeout=LIMIT, check=True).stdout
     alone, plugin = map(float, out.split()[-2:])
     say(f"a plan: PlanPath alone {1e3 * alone:.1f} ms, through the plugin {1e3 * plugin:.1f} ms")
     return plugin / alone

@@ -1,15 +1,19 @@
-"""What the benchmarks of the ROS navigation stack share: launch files that run, and a simulated robot to send about."""
+"""What the benchmarks of the ROS navigation stack share: launch files that run, simulated robots to send about."""
 
 import math
 import time
 from contextlib import contextmanager
-from typing import Any, Iterator, List, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
 from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.planner import SocialPlanner
+from social_fleet.planning.random_poses import random_pose_pairs
 
 from .processes import LIMIT, ros_master, running, wait_for
+from .worlds import planner
 
 PATIENCE = 120.0  # [s] of wall time for one drive
 
@@ -22,6 +26,21 @@ def launched(file: str, **arguments: Any) -> Iterator[None]:
     with ros_master(), running("roslaunch", "--wait", "--skip-log-check", "social_fleet", file, *given):
         rospy.init_node("benchmark", disable_signals=True)
         yield
+
+
+def tour(name: str, count: int, nearest: float, farthest: float) -> List[Tuple[float, float]]:
+    """A start and `count` goals on a map, with some room about them, `nearest` to `farthest` metres of path apart."""
+    roomy = SocialPlanner(planner(name).grid, PlannerConfig(robot_radius=0.45))
+    stops: List[Tuple[float, float]] = []
+    for pair in random_pose_pairs(roomy, 300, seed=7):
+        for place in pair:
+            point = (round(float(place[0]), 2), round(float(place[1]), 2))
+            apart = not any(math.dist(point, stop) < 2.0 for stop in stops)
+            if not stops or apart and nearest <= planner(name).plan(stops[-1], point).length <= farthest:
+                stops.append(point)
+                if len(stops) > count:
+                    return stops
+    raise RuntimeError(f"{name} has no tour of {count} goals")
 
 
 class Robot:
@@ -80,6 +99,108 @@ class Robot:
 
     def _hear_plan(self, message: Any) -> None:
         self.plans += bool(message.poses)
+
+
+class Trackers:
+    """Sends the robots of a fleet on one schedule."""
+
+    def __init__(self, robots: Sequence[str]) -> None:
+        import rospy
+
+        from social_fleet.msg import Progress
+        from social_fleet.srv import Coordinate, PlanPath
+        self._robots = robots
+        self._news: Dict[str, Any] = {}
+        rospy.Subscriber("fleet/progress", Progress, self._hear, queue_size=100)
+        for name in ("social_planner/plan_path", "fleet_coordinator/coordinate"):
+            rospy.wait_for_service(name, LIMIT)
+        self._plan = rospy.ServiceProxy("social_planner/plan_path", PlanPath)
+        self._coordinate = rospy.ServiceProxy("fleet_coordinator/coordinate", Coordinate)
+        wait_for(lambda: set(self._news) >= set(robots))
+
+    def send(self, goals: Dict[str, Sequence[float]]) -> str:
+        """Let all of them drive; ``arrived``, or what became of it."""
+        from social_fleet.msg import PlannedPath
+        from social_fleet.srv import CoordinateRequest, PlanPathRequest
+        paths = []
+        for robot, goal in goals.items():
+            request = PlanPathRequest(robot=robot, goal=stamped(goal), start_tolerance=0.3)
+            answer: List[Any] = []
+            wait_for(lambda: answer.append(self._plan(request)) or not answer[-1].status)
+            paths.append(PlannedPath(header=answer[-1].path.header, robot=robot, path=answer[-1].path, max_speed=0.7,
+                                     radius=0.25))
+        answer = self._coordinate(CoordinateRequest(planning=paths))
+        if answer.status:
+            return f"no schedule: {answer.message}"
+        versions = {schedule.robot: schedule.version for schedule in answer.schedules}
+        deadline = time.monotonic() + 3.0 * PATIENCE
+        while time.monotonic() < deadline:
+            news = [self._news[robot] for robot in goals]
+            if all(item.state == item.ARRIVED and item.schedule_version == versions[item.robot] for item in news):
+                return "arrived"
+            time.sleep(0.05)
+        return "not arrived: " + ", ".join(f"{item.robot} in state {item.state}" for item in news)
+
+    def _hear(self, message: Any) -> None:
+        self._news[message.robot] = message
+
+
+class Localisation:
+    """What tf tells of robots beside where they truly are."""
+
+    def __init__(self, robots: Sequence[str]) -> None:
+        import rospy
+        import tf2_ros
+        from geometry_msgs.msg import PoseArray
+        self._robots = list(robots)
+        self._truth: Dict[float, np.ndarray] = {}  # positions (N, 2) by time [s]
+        self._told: Dict[str, Dict[float, Tuple[float, float]]] = {robot: {} for robot in robots}
+        self.largest_after = 0.0  # [m] of driving came the largest of the errors that were asked for last
+        self._buffer = tf2_ros.Buffer(debug=False)
+        self._listener = tf2_ros.TransformListener(self._buffer)
+        rospy.Subscriber("fleet/ground_truth", PoseArray, self._hear, queue_size=1000)
+        self._timer = rospy.Timer(rospy.Duration(0.1), self._look)
+
+    def errors(self, robot: str, driven: float) -> np.ndarray:
+        """Distances between what tf told and the truth [m] from so many metres of driving on."""
+        index = self._robots.index(robot)
+        told = dict(self._told[robot])
+        times = sorted(time_ for time_ in told if time_ in self._truth)
+        truth = np.array([self._truth[time_][index] for time_ in times])
+        gaps = np.hypot(*(np.array([told[time_] for time_ in times]) - truth).T)
+        way = np.append(0.0, np.cumsum(np.hypot(*np.diff(truth, axis=0).T)))
+        self.largest_after = float(way[way >= driven][gaps[way >= driven].argmax()])
+        return gaps[way >= driven]
+
+    def driven(self, robot: str) -> float:
+        """How far it has come [m]."""
+        track = self._track()[:, self._robots.index(robot)]
+        return float(np.hypot(*np.diff(track, axis=0).T).sum())
+
+    def smallest_gap(self) -> float:
+        """Between the centres of any two robots at any time [m]."""
+        track = self._track()
+        return min(float(np.hypot(*(track[:, one] - track[:, other]).T).min())
+                   for one in range(track.shape[1]) for other in range(one))
+
+    def _track(self) -> np.ndarray:
+        truth = dict(self._truth)
+        return np.array([truth[time_] for time_ in sorted(truth)])
+
+    def _hear(self, message: Any) -> None:
+        self._truth[round(message.header.stamp.to_sec(), 3)] = np.array(
+            [(pose.position.x, pose.position.y) for pose in message.poses])
+
+    def _look(self, _: Any) -> None:
+        import rospy
+        import tf2_ros
+        for robot in self._robots:
+            try:
+                transform = self._buffer.lookup_transform("map", f"{robot}/base_link", rospy.Time())
+            except tf2_ros.TransformException:
+                continue
+            place = transform.transform.translation
+            self._told[robot][round(transform.header.stamp.to_sec(), 3)] = (place.x, place.y)
 
 
 def stamped(place: Sequence[float]) -> Any:

@@ -1,6 +1,7 @@
 """The node fleet_launcher: launch files once for each robot of a fleet file, in one roslaunch."""
 
 import json
+import os
 from dataclasses import dataclass
 from typing import Any, Dict, List, Tuple
 
@@ -58,7 +59,7 @@ def _shared(fleet: Fleet, config: FleetLauncherParameters) -> LaunchFile:
     """What all robots share."""
     bodies = {name: {"radius": robot.radius, "max_speed": robot.max_speed} for name, robot in fleet.robots.items()}
     localised = {robot.localization == "fake" for robot in fleet.robots.values()}
-    moved = {robot.navigation == "move_base" for robot in fleet.robots.values()}
+    config_folder = os.path.join(package_folder(), "config")
     given: Dict[str, Any] = {"map": fleet.map, "graph": fleet.graph, "robots": bodies}
     if config.simulated:
         if len(localised) > 1:
@@ -67,14 +68,18 @@ def _shared(fleet: Fleet, config: FleetLauncherParameters) -> LaunchFile:
         given["simulated"] = {name: {**bodies[name], "start": list(robot.start)}
                               for name, robot in fleet.robots.items()}
         given["localise"] = True in localised
+        given["in_step"] = {robot.navigation for robot in fleet.robots.values()} == {"tracker"}
         given["real_time_factor"] = config.real_time_factor
         given["simulation_overrides"] = config.simulation_overrides
     elif True in localised:
         raise InvalidParameter("must be amcl or external where robots are not simulated",
                                field="robots.*.localization")
-    if True in moved:
-        given["planner_overrides"] = f"{package_folder()}/config/move_base_planner.yaml"
-    return f"{package_folder()}/launch/fleet_shared.launch", _arguments(given)
+    if any(robot.localization == "amcl" for robot in fleet.robots.values()):
+        given["planner_overrides"] = os.path.join(config_folder, "amcl_planner.yaml")
+        given["coordinator_overrides"] = os.path.join(config_folder, "amcl_coordinator.yaml")
+    if any(robot.navigation == "move_base" for robot in fleet.robots.values()):
+        given["planner_overrides"] = os.path.join(config_folder, "move_base_planner.yaml")
+    return os.path.join(package_folder(), "launch", "fleet_shared.launch"), _arguments(given)
 
 
 def _robot(name: str, robot: FleetRobot) -> LaunchFile:
@@ -83,7 +88,7 @@ def _robot(name: str, robot: FleetRobot) -> LaunchFile:
     given = {"robot": name, "x": x, "y": y, "yaw": yaw, "radius": robot.radius, "max_speed": robot.max_speed,
              "localization": robot.localization, "navigation": robot.navigation, "simulated": False, "planner": False,
              "coordinator": False}
-    return f"{package_folder()}/launch/robot.launch", _arguments(given)
+    return os.path.join(package_folder(), "launch", "robot.launch"), _arguments(given)
 
 
 def _arguments(given: Dict[str, Any]) -> List[str]:
