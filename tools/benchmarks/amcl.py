@@ -6,12 +6,18 @@ Runs where `rospack find amcl` finds it; a workspace that it was built in can be
 import os
 import subprocess
 import tempfile
-from typing import Any, Callable, Dict, List, Sequence, Tuple
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Callable, Dict, Iterator, Tuple
 
 import numpy as np
 
+from social_fleet.mapping.files import load_map, save_map
+from social_fleet.mapping.grid import FREE, UNKNOWN
+
 from .navigation import Localisation, Trackers, launched, tour
-from .worlds import ROOT, map_files, planner
+from .processes import running
+from .worlds import ROOT, map_files
 
 DRIVES = 5
 LENGTHS = (55.0, 65.0)  # [m] of a drive
@@ -37,7 +43,8 @@ def _drives(name: str, lengths: Tuple[float, float], say: Callable[[str], None])
     """One robot, drive after drive."""
     stops = tour(name, DRIVES, *lengths)
     with launched("robot.launch", robot="gold", map=map_files()[name], localization="amcl", navigation="tracker",
-                  simulated=True, x=stops[0][0], y=stops[0][1], real_time_factor=FACTOR, simulation_overrides=NOISE):
+                  simulated=True, x=stops[0][0], y=stops[0][1], real_time_factor=FACTOR, simulation_overrides=NOISE,
+                  true_map="/true_map"), _walls_alone(name):
         trackers, localisation = Trackers(("gold",)), Localisation(("gold",))
         arrived = 0
         for goal in stops[1:]:
@@ -53,6 +60,17 @@ def _drives(name: str, lengths: Tuple[float, float], say: Callable[[str], None])
     return arrived == DRIVES and bool(errors.max() <= WANTED)
 
 
+@contextmanager
+def _walls_alone(name: str) -> Iterator[None]:
+    """The map that lidars see: that which is wall on the map, since AMCL knows no edge of unknown space."""
+    grid = load_map(map_files()[name])
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "walls.yaml")
+        save_map(replace(grid, values=np.where(grid.values == UNKNOWN, FREE, grid.values)), file)
+        with running("rosrun", "social_fleet", "map_publisher", file, "map:=/true_map", "__name:=true_map"):
+            yield
+
+
 def _fleet(name: str, say: Callable[[str], None]) -> bool:
     """Three robots that change places, on one schedule."""
     stops = tour(name, len(FLEET) - 1, 15.0, 40.0)
@@ -61,7 +79,8 @@ def _fleet(name: str, say: Callable[[str], None]) -> bool:
         file = os.path.join(folder, "fleet.yaml")
         with open(file, "w", encoding="utf-8") as stream:
             stream.write(_fleet_file(name, dict(zip(FLEET, stops))))
-        with launched("fleet.launch", fleet=file, simulated=True, real_time_factor=1.0, simulation_overrides=NOISE):
+        with launched("fleet.launch", fleet=file, simulated=True, real_time_factor=1.0, simulation_overrides=NOISE,
+                      true_map="/true_map"), _walls_alone(name):
             trackers, localisation = Trackers(FLEET), Localisation(FLEET)
             state = trackers.send(goals)
             gap = localisation.smallest_gap() - 2.0 * RADIUS

@@ -25,6 +25,7 @@ class FleetLauncherParameters:
     fleet: str = ""  # the fleet file
     simulated: bool = False  # simulate all robots
     real_time_factor: float = parameter(1.0, minimum=0.0)  # of simulated robots
+    true_map: str = "/map"  # topic of the map that simulated lidars see
     simulation_overrides: str = ""  # a file of the simulation's parameters that differ from its configuration
 
 
@@ -70,6 +71,7 @@ def _shared(fleet: Fleet, config: FleetLauncherParameters) -> LaunchFile:
         given["localise"] = True in localised
         given["in_step"] = {robot.navigation for robot in fleet.robots.values()} == {"tracker"}
         given["real_time_factor"] = config.real_time_factor
+        given["true_map"] = config.true_map
         given["simulation_overrides"] = config.simulation_overrides
     elif True in localised:
         raise InvalidParameter("must be amcl or external where robots are not simulated",
