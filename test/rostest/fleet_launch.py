@@ -23,7 +23,8 @@ class FleetLaunchTest(unittest.TestCase):
         news: Dict[str, Progress] = {}
         rospy.Subscriber("fleet/progress", Progress, lambda message: news.update({message.robot: message}))
         announced, truth = Listener("fleet/paths", PlannedPath), Listener("fleet/ground_truth", PoseArray)
-        plan, coordinate = service("social_planner/plan_path", PlanPath), service("fleet_coordinator/coordinate", Coordinate)
+        plan = service("social_planner/plan_path", PlanPath)
+        coordinate = service("fleet_coordinator/coordinate", Coordinate)
         wait_until(lambda: set(news) == set(GOALS), "both trackers", 60.0)
         wait_until(lambda: all(not plan(PlanPathRequest(robot=name, goal=stamped(*goal), inquiry=True)).status
                                for name, goal in GOALS.items()), "map and tf", 60.0)

@@ -15,7 +15,7 @@ import numpy as np
 from social_fleet.mapping.files import load_map, save_map
 from social_fleet.mapping.grid import FREE, UNKNOWN
 
-from .navigation import Localisation, Trackers, launched, tour
+from .navigation import Localisation, Trackers, apart, launched, tour
 from .processes import running
 from .worlds import ROOT, map_files
 
@@ -36,7 +36,7 @@ def run(say: Callable[[str], None]) -> bool:
         return True
     name = "willow" if "willow" in map_files() else "office_floor"
     lengths = LENGTHS if name == "willow" else (30.0, 60.0)
-    return all([_drives(name, lengths, say), _fleet(name, say)])
+    return all([apart(lambda: _drives(name, lengths, say)), apart(lambda: _fleet(name, say))])
 
 
 def _drives(name: str, lengths: Tuple[float, float], say: Callable[[str], None]) -> bool:

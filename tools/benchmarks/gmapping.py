@@ -22,7 +22,7 @@ from social_fleet.planning.planner import SocialPlanner
 from social_fleet.planning.random_poses import random_pose_pairs
 
 from .amcl import NOISE
-from .navigation import launched
+from .navigation import apart, launched
 from .processes import LIMIT, running, wait_for
 
 SIZE = 30.0  # [m]
@@ -44,6 +44,11 @@ def run(say: Callable[[str], None]) -> bool:
     if subprocess.run(("rospack", "find", "gmapping"), capture_output=True).returncode:
         say("skipped: rospack does not find gmapping")
         return True
+    return apart(lambda: _compare(say))
+
+
+def _compare(say: Callable[[str], None]) -> bool:
+    """Plan on both maps."""
     truth = draw(WORLD)
     found = _explored(truth, say)
     config = PlannerConfig(robot_radius=0.25)

@@ -8,9 +8,9 @@ import math
 import os
 import subprocess
 import time
-from typing import Any, Callable, List, Sequence, Tuple
+from typing import Any, Callable, Sequence, Tuple
 
-from .navigation import Robot, launched, tour
+from .navigation import Robot, apart, launched, tour
 from .processes import LIMIT
 from .worlds import ROOT, map_files, planner
 
@@ -27,7 +27,11 @@ def run(say: Callable[[str], None]) -> bool:
     if subprocess.run(("rospack", "find", "move_base"), capture_output=True).returncode:
         say("skipped: rospack does not find move_base")
         return True
-    name = "willow" if "willow" in map_files() else "office_floor"
+    return apart(lambda: _run("willow" if "willow" in map_files() else "office_floor", say))
+
+
+def _run(name: str, say: Callable[[str], None]) -> bool:
+    """All of it on one map."""
     stops = tour(name, GOALS, NEAREST, FARTHEST)
     with launched("robot.launch", robot="gold", map=map_files()[name], localization="fake", x=stops[0][0],
                   y=stops[0][1], real_time_factor=FACTOR):
