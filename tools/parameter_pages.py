@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Union, get_type_hints
 
 from social_fleet.execution.config import TrackerConfig
+from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.files import read_yaml
 from social_fleet.manual import read_manual
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.ros.fake_robots import FakeRobotsParameters
 from social_fleet.ros.fleet_coordinator import FleetCoordinatorParameters
+from social_fleet.ros.navigator import NavigatorParameters
 from social_fleet.ros.reconfigure import changeable
 from social_fleet.ros.social_planner import SocialPlannerParameters
 from social_fleet.ros.trajectory_tracker import TrajectoryTrackerParameters
@@ -43,6 +45,9 @@ PAGES = (
     Page("fleet_coordinator.yaml", "The node fleet_coordinator", FleetCoordinatorParameters),
     Page("tracker.yaml", "Tracking, in the node trajectory_tracker", TrackerConfig),
     Page("trajectory_tracker.yaml", "The node trajectory_tracker", TrajectoryTrackerParameters),
+    Page("recovery.yaml", "Promises, delays and replans, in the nodes trajectory_tracker and fleet_coordinator",
+         RecoveryConfig, "Below `recovery`."),
+    Page("navigator.yaml", "The node navigator", NavigatorParameters),
     Page("fake_robots.yaml", "Simulation, in the node fake_robots and on the command line", SimulationConfig),
     Page("fake_robots_node.yaml", "The node fake_robots", FakeRobotsParameters),
 )

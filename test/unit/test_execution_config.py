@@ -8,6 +8,7 @@ from repository import ROOT
 from social_fleet.coordination.driven_path import CUT
 from social_fleet.errors import InvalidParameter
 from social_fleet.execution.config import TrackerConfig
+from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.files import read_yaml
 from social_fleet.scenario.scenario import Coordination
 from social_fleet.simulation.config import LidarConfig, SimulationConfig
@@ -17,6 +18,10 @@ def test_the_manual_of_the_tracker_shows_every_default() -> None:
     shown = read_yaml(ROOT / "config" / "tracker.yaml")
     assert set(asdict(TrackerConfig())) <= set(shown)
     assert {name: shown[name] for name in asdict(TrackerConfig())} == asdict(TrackerConfig())
+
+
+def test_the_manual_of_recovery_shows_every_default() -> None:
+    assert read_yaml(ROOT / "config" / "recovery.yaml") == asdict(RecoveryConfig())
 
 
 def test_the_manual_of_the_simulation_shows_every_default() -> None:

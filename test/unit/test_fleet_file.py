@@ -24,7 +24,7 @@ def test_defaults_hold_where_a_robot_says_nothing(tmp_path: Path) -> None:
     file = tmp_path / "fleet.yaml"
     file.write_text(GOLD)
     gold = load_fleet(file).robots["gold"]
-    assert (gold.start, gold.radius, gold.navigation) == ((1.0, 2.0, 0.0), 0.3, "tracker")
+    assert (gold.start, gold.radius, gold.navigation) == ((1.0, 2.0, 0.0), 0.3, "navigator")
 
 
 @pytest.mark.parametrize("old, new, field", [

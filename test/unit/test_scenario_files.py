@@ -97,7 +97,7 @@ def test_what_is_written_is_read_back(folder: Path) -> None:
     ("time_margin: 2", "time_margin: soon", "coordination.time_margin", "must be a number"),
     ("shape: circle", "shape: square", "obstacles[0].shape", "must be circle"),
     ("disappears: 90.0", "disappears: 9.0", "obstacles[0].disappears", "must be later than appears, which is 30"),
-    ("robot: gold", "robot: red", "faults[0].robot", "must be gold or blue, not the text 'red'"),
+    ("robot: gold", "robot: red", "faults[0].robot", "must be gold or blue or dispatcher, not the text 'red'"),
     ("kind: pause", "kind: explode", "faults[0].kind", "must be pause or slow"),
     ("arrived: [gold]", "arrived: [red]", "expect.arrived", "must be all or a list of robots of this file"),
     ("collisions: 1", "collisions: few", "expect.collisions", "must be a whole number"),

@@ -4,7 +4,7 @@ import importlib
 import sys
 
 SUBJECTS = ("planning", "global_planner", "learning", "steadiness", "head_on",
-            "coordination", "fleets", "simulation", "nodes", "move_base", "amcl", "gmapping")
+            "coordination", "fleets", "simulation", "execution", "nodes", "move_base", "amcl", "gmapping")
 
 
 def main() -> int:

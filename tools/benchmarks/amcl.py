@@ -72,9 +72,9 @@ def _walls_alone(name: str) -> Iterator[None]:
 
 
 def _fleet(name: str, say: Callable[[str], None]) -> bool:
-    """Three robots that change places, on one schedule."""
-    stops = tour(name, len(FLEET) - 1, 15.0, 40.0)
-    goals = dict(zip(FLEET, stops[1:] + stops[:1]))
+    """Two robots that change places and one that drives there, too, on one schedule."""
+    stops = tour(name, len(FLEET), 15.0, 40.0)
+    goals = dict(zip(FLEET, (stops[1], stops[0], stops[3])))
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "fleet.yaml")
         with open(file, "w", encoding="utf-8") as stream:
@@ -91,6 +91,6 @@ def _fleet(name: str, say: Callable[[str], None]) -> bool:
 
 
 def _fleet_file(name: str, starts: Dict[str, Tuple[float, float]]) -> str:
-    lines = [f"map: {map_files()[name]}", "robots:"]
+    lines = [f"map: {map_files()[name]}", "defaults: {navigation: tracker}", "robots:"]
     lines += [f"  {robot}: {{start: [{x}, {y}, 0.0]}}" for robot, (x, y) in starts.items()]
     return "\n".join(lines) + "\n"

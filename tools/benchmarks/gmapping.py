@@ -24,6 +24,7 @@ from social_fleet.planning.random_poses import random_pose_pairs
 from .amcl import NOISE
 from .navigation import apart, launched
 from .processes import LIMIT, running, wait_for
+from .worlds import ROOT
 
 SIZE = 30.0  # [m]
 # Four blocks; 2.85 m wide corridors about them and 4 m wide ones between them.
@@ -34,7 +35,7 @@ EDGE, MIDDLE, FAR = 1.6, 15.0, SIZE - 1.6
 TOUR = ((EDGE, EDGE), (FAR, EDGE), (FAR, FAR), (EDGE, FAR), (EDGE, EDGE), (MIDDLE, EDGE), (MIDDLE, FAR), (FAR, FAR),
         (FAR, MIDDLE), (EDGE, MIDDLE))
 SPEED = 0.6  # [m/s]
-FACTOR = 2.0  # simulated over wall time
+FACTOR = 1.0  # simulated over wall time
 PAIRS = 40
 WANTED = 0.03  # difference of a plan's lengths / length on the truth
 
@@ -51,6 +52,10 @@ def _compare(say: Callable[[str], None]) -> bool:
     """Plan on both maps."""
     truth = draw(WORLD)
     found = _explored(truth, say)
+    output = os.path.join(ROOT, "bench_output")
+    os.makedirs(output, exist_ok=True)
+    save_map(found, os.path.join(output, "gmapping.yaml"), image="png")
+    save_map(truth, os.path.join(output, "corridors.yaml"), image="png")
     config = PlannerConfig(robot_radius=0.25)
     true_planner, found_planner = SocialPlanner(truth, config), SocialPlanner(found, config)
     pairs = random_pose_pairs(SocialPlanner(truth, PlannerConfig(robot_radius=0.4)), PAIRS, seed=1)

@@ -1,7 +1,7 @@
 """Drive a scenario's fleet in simulation, without ROS and faster than real time, and judge what happened."""
 
 import argparse
-from typing import Any, List
+from typing import Any, Callable, List, Tuple
 
 from social_fleet.cli.arguments import check_outputs
 from social_fleet.cli.output import show, table, written
@@ -25,7 +25,6 @@ def run(args: argparse.Namespace) -> int:
     plots = [] if args.plot is None else [f"{args.plot}_map.png", f"{args.plot}_time.png"]
     check_outputs(args.out, args.animate, *plots)
     from social_fleet.mapping.files import load_map
-    from social_fleet.scenario.closed_loop import simulate_scenario
     from social_fleet.scenario.files import load_scenario
     from social_fleet.scenario.fleet import coordinate_scenario
 
@@ -34,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     with progress(len(scenario.robots), "planning", "robots") as update:
         fleet = coordinate_scenario(scenario, grid, progress=update)
     with progress(100.0, "driving", "%") as update:
-        report, recording = simulate_scenario(scenario, fleet, grid, progress=lambda share: update(100.0 * share))
+        report, recording = _driven(scenario, fleet, grid, lambda share: update(100.0 * share))
     if args.out:
         from social_fleet.scenario.report import write_report
         write_report(report, args.out)
@@ -50,6 +49,16 @@ def run(args: argparse.Namespace) -> int:
                            recording=recording)
     show(args, report.to_dict(), [*summary(report), *written(args.out, args.animate, *plots)])
     return 0 if report.passed else 1
+
+
+def _driven(scenario: Any, fleet: Any, grid: Any, update: Callable[[float], None]) -> Tuple[Any, Any]:
+    """Report and recording; with a dispatcher and a network where anything is to go wrong."""
+    if scenario.is_undisturbed:
+        from social_fleet.scenario.closed_loop import simulate_scenario
+        return simulate_scenario(scenario, fleet, grid, config=scenario.simulation_config, progress=update)
+    from social_fleet.scenario.faulty import drive_scenario, report_of
+    run = drive_scenario(scenario, fleet, grid, progress=update)
+    return report_of(scenario, fleet, run), run.recording
 
 
 def summary(report: Any) -> List[str]:

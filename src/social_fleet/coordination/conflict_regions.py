@@ -17,6 +17,7 @@ LINK = 0.1
 """Longest link [m]: the resolution of encounter windows."""
 
 _LONGEST = LINK * (1.0 + 1e-6)  # with rounding [m]
+_SAME = 1e-6  # arc lengths this close are one [m]
 _STRETCH = 8  # links of r whose neighbourhood on s is searched at once
 
 
@@ -30,11 +31,15 @@ class Links(NamedTuple):
     ends: np.ndarray
 
 
-def cut_into_links(path: Polyline) -> Links:
-    """`path` as links that never straddle a vertex, with a link of length zero at either end."""
-    lengths = np.diff(path.arc_lengths)
+def cut_into_links(path: Polyline, *, border: float = 0.0) -> Links:
+    """`path` as links that never straddle a vertex, nor the arc length `border`, with one of length zero at either end.
+    """
+    vertices = path.arc_lengths
+    if np.abs(vertices - border).min() > _SAME and border < path.length:
+        vertices = np.insert(vertices, np.searchsorted(vertices, border), border)
+    lengths = np.diff(vertices)
     counts = np.maximum(np.ceil(lengths / LINK - 1e-9).astype(int), 1)
-    first = np.repeat(path.arc_lengths[:-1], counts)
+    first = np.repeat(vertices[:-1], counts)
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     steps = np.repeat(lengths / counts, counts)
     starts = first + within * steps
@@ -81,7 +86,7 @@ def close_runs(r_tails, r_heads, r_middles,  # type: ignore[no-untyped-def]
                 j = near[place]
                 # How far the middles are apart is mostly enough to tell.
                 square = (x - s_middles[j, 0]) ** 2 + (y - s_middles[j, 1]) ** 2
-                if square >= surely_not or (square >= surely and _squared_gap(
+                if square >= surely_not or (square >= surely and squared_gap(
                         r_tails[i], r_heads[i], s_tails[j], s_heads[j]) >= distance * distance):
                     continue
                 if count and runs[count - 1, 0] == i and runs[count - 1, 2] == j - 1:
@@ -122,7 +127,7 @@ def _near_links(r_middles, low, high, s_middles, distance, near):  # type: ignor
 
 
 @njit(cache=True)
-def _squared_gap(a, b, c, d):  # type: ignore[no-untyped-def]
+def squared_gap(a, b, c, d):  # type: ignore[no-untyped-def]
     """Squared distance between the segments a-b and c-d (Ericson, Real-Time Collision Detection, 5.1.9)."""
     ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
     wx, wy = a[0] - c[0], a[1] - c[1]

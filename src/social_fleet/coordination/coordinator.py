@@ -9,6 +9,7 @@ import numpy as np
 
 from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order, contradiction, forced_reasons
 from social_fleet.coordination.event_graph import Motion
+from social_fleet.coordination.former_orders import FormerOrders
 from social_fleet.coordination.options import check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
@@ -25,6 +26,7 @@ log = logging.getLogger(__name__)
 
 
 def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Sequence[Schedule] = (),
+               former: Sequence[Schedule] = (),
                formulation: str = "exact", objective: str = "sum_of_completion", time_margin: float = 1.0,
                tracking_tolerance: float = 0.1, gap: float = 1e-3, effort: int = 1, time_limit: float = 30.0,
                solver: Optional[str] = None, replanner: Optional[Replanner] = None, repairs: int = 50,
@@ -41,6 +43,9 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     fixed : sequence of Schedule
         Schedules already under way, on the same clock, in any order. Their motion is not changed, but their robots may
         get to wait for a planned one: see `FleetSchedule.amended`.
+    former : sequence of Schedule
+        Schedules of some of `robots` that were in force, along the present paths: these robots keep their order among
+        each other.
     formulation : str
         ``exact``, safe at any speed, or ``paper``: Eq. 5-8 as printed, which may let robots touch.
     objective : str
@@ -90,7 +95,7 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     check_fleet(robots, fixed, tracking_tolerance)
     find_solver(solver, time_limit)
     job = _Job(fixed, finder or EncounterFinder(tracking_tolerance), time.monotonic() + time_limit, replanner, _Options(
-        time_margin, objective == "makespan", gap, effort, solver, repairs, partial, version))
+        time_margin, objective == "makespan", gap, effort, solver, repairs, partial, version), FormerOrders(former))
     if formulation == "paper":
         return job.run_as_printed(robots)
     if mode == "sequential":
@@ -115,13 +120,14 @@ class _Job:
     """One call of `coordinate`."""
 
     def __init__(self, fixed: Sequence[Schedule], finder: EncounterFinder, deadline: float,
-                 replanner: Optional[Replanner], options: "_Options") -> None:
+                 replanner: Optional[Replanner], options: "_Options", former: FormerOrders) -> None:
         self.fixed = sorted(fixed, key=lambda schedule: schedule.name)
         self.given = {schedule.name: schedule for schedule in fixed}
         self.deadline = deadline
         self.replanner = replanner
         self.finder = finder
         self.options = options
+        self.former = former
         self.unserved: Dict[str, str] = {}
         self._timings: Dict[str, Tuple[Robot, Timing]] = {}
 
@@ -133,7 +139,8 @@ class _Job:
                                                              self.options.repairs)
         while True:
             fleet = planned + [schedule.robot for schedule in self.fixed]
-            encounters = _timed(spent, "encounters", lambda: self.finder.find(fleet, fixed=len(self.fixed)))
+            encounters = _timed(spent, "encounters", lambda: self.former.applied(
+                self.finder.find(fleet, fixed=len(self.fixed)), fleet))
             try:
                 solution = _timed(spent, "solve", lambda: self._solve(planned, encounters))
                 break
@@ -249,7 +256,7 @@ class _Job:
         """Whether a few robots have a schedule among themselves; fixed ones count as still to be planned."""
         few = sorted(robots, key=lambda robot: robot.name)
         try:
-            self._solve(few, EncounterFinder(self.finder.tolerance).find(few), alone=True)
+            self._solve(few, self.former.applied(EncounterFinder(self.finder.tolerance).find(few), few), alone=True)
         except Infeasible:
             return False
         return True

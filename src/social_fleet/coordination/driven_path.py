@@ -48,8 +48,8 @@ class DrivenLeg:
         """Spacing of the samples [m]; positive even for a path of one point."""
         return max(float(self.arc_lengths[1] - self.arc_lengths[0]), 1e-9)
 
-    def permitted_speeds(self, limits: MotionLimits) -> np.ndarray:
-        """The fastest speeds at the samples [m/s], from standstill to standstill, shape (M,).
+    def permitted_speeds(self, limits: MotionLimits, *, moving: bool = False) -> np.ndarray:
+        """The fastest speeds at the samples [m/s], from standstill, or already `moving`, to standstill, shape (M,).
 
         With curvature k and its change k' along the curve, the turn rate is k v and its acceleration k' v^2 + k a.
         """
@@ -57,7 +57,9 @@ class DrivenLeg:
         changes = np.abs(np.gradient(np.gradient(self.headings, self.step), self.step)) + 1e-9
         squares = np.minimum(limits.max_speed ** 2, np.minimum((limits.max_turn_rate / bends) ** 2,
                                                                limits.max_turn_acceleration / changes))
-        squares[0] = squares[-1] = 0.0
+        squares[-1] = 0.0
+        if not moving:
+            squares[0] = 0.0
         spare = np.maximum(limits.max_turn_acceleration - changes * squares,
                            _LEAST_SHARE * limits.max_turn_acceleration) / bends
         gains = 2.0 * self.step * np.minimum(limits.max_acceleration, spare)

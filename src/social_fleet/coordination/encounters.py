@@ -15,6 +15,8 @@ from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import KINDS
 from social_fleet.coordination.window_rows import WindowRows, window_rows
 
+_LEAST = 0.04  # what two discs keep that got closer than they should [m]
+
 
 @dataclass(frozen=True)
 class Order:
@@ -114,7 +116,8 @@ class EncounterFinder:
         names = r.name, s.name
         if names not in self._known:
             self._known[names] = tuple(_encounters(window_rows(
-                self._links_of(r), self._links_of(s), self.safety_distance(r, s))))
+                self._links_of(r), self._links_of(s), self.safety_distance(r, s), committed=_commitments(r, s),
+                least=r.body_radius + s.body_radius + _LEAST)))
         return self._known[names]
 
     def learn(self, r: Robot, s: Robot, windows: Sequence[Encounter]) -> None:
@@ -131,7 +134,7 @@ class EncounterFinder:
 
     def _links_of(self, robot: Robot) -> Links:
         if robot.name not in self._links:
-            self._links[robot.name] = cut_into_links(robot.path)
+            self._links[robot.name] = cut_into_links(robot.path, border=robot.committed or 0.0)
         return self._links[robot.name]
 
     def _forget(self, name: str) -> None:
@@ -150,6 +153,13 @@ class EncounterFinder:
         gaps = np.maximum(np.maximum(lows[rows] - highs[columns], lows[columns] - highs[rows]), 0.0)
         near = np.hypot(gaps[:, 0], gaps[:, 1]) < reach[rows] + reach[columns]
         return list(zip(rows[near].tolist(), columns[near].tolist()))
+
+
+def _commitments(r: Robot, s: Robot) -> Optional[Tuple[float, float]]:
+    """What two robots are committed to [m]; None when neither is under way."""
+    if r.committed is None and s.committed is None:
+        return None
+    return r.committed or 0.0, s.committed or 0.0
 
 
 def _encounters(rows: WindowRows) -> Iterator[Encounter]:

@@ -10,7 +10,9 @@ from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import Infeasible, InvalidPose, NoPath
 from social_fleet.geometry import Pose
+from social_fleet.mapping.clearance import ConfigurationSpace
 from social_fleet.planning.overlays.discs import Disc
+from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
 from social_fleet.planning.planner import SocialPlanner
 
@@ -45,10 +47,13 @@ class PlannerReplanner(Replanner):
     ----------
     planner_for : callable
         The planner for robots of a radius [m].
+    overlays : OverlaySet, mapping of names to shapes, or sequence of shapes
+        Obstacles that the map does not hold.
     """
 
-    def __init__(self, planner_for: Callable[[float], SocialPlanner]) -> None:
+    def __init__(self, planner_for: Callable[[float], SocialPlanner], *, overlays: Overlays = ()) -> None:
         self._planner_for = planner_for
+        self._overlays = overlays
 
     def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
         """See `Replanner`."""
@@ -66,14 +71,20 @@ class PlannerReplanner(Replanner):
     def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
               avoid: Sequence[Disc]) -> Optional[Plan]:
         try:
-            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid)
+            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid, overlays=self._overlays)
         except (NoPath, InvalidPose):
             return None
 
     def _places(self, robot: Robot, others: Sequence[Robot], distance: float) -> List[Tuple[float, float]]:
         """Free places near the robot's start that keep clear of the others' paths, nearest first, apart."""
+        planner = self._planner_for(robot.body_radius)
+        return (self._places_in(planner.way, robot, others, distance)
+                or self._places_in(planner.space, robot, others, distance))
+
+    @staticmethod
+    def _places_in(space: ConfigurationSpace, robot: Robot, others: Sequence[Robot],
+                   distance: float) -> List[Tuple[float, float]]:
         from scipy.spatial import cKDTree
-        space = self._planner_for(robot.body_radius).space
         stride = max(1, int(round(0.3 / space.grid.resolution)))
         rows, columns = np.nonzero(space.free[::stride, ::stride])
         places = space.grid.centres(np.stack((rows, columns), axis=1) * stride)

@@ -53,6 +53,14 @@ def _check_apart(robots: Sequence[Robot], end: int, what: str, tolerance: float,
     radii = np.array([robot.body_radius for robot in robots])
     rows, columns = np.triu_indices(len(robots), 1)
     rows, columns = rows[rows < planned], columns[rows < planned]
+    if end == 0:  # robots under way are where they are
+        waiting = np.array([robot.committed is None for robot in robots])
+        counted = waiting[rows] & waiting[columns]
+    else:  # those that go no farther than they are committed to end where they end
+        settled = np.array([robot.committed is not None and robot.path.length <= robot.committed + _CONTACT
+                            for robot in robots])
+        counted = ~(settled[rows] & settled[columns])
+    rows, columns = rows[counted], columns[counted]
     apart = np.hypot(*(points[rows] - points[columns]).T)
     needed = radii[rows] + radii[columns] + 2.0 * tolerance
     for pair in np.flatnonzero(apart < needed)[:1]:

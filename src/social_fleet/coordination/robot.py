@@ -57,6 +57,9 @@ class Robot:
         Headings at the ends [rad]; the plan's by default, None where any will do.
     max_acceleration, max_turn_rate, max_turn_acceleration : float
         [m/s^2], [rad/s], [rad/s^2].
+    committed : float, optional
+        Of a robot under way: the arc length up to which it may drive whatever is decided now, for others have left
+        that stretch to it [m]; None for one that waits at its start for its schedule.
 
     Raises
     ------
@@ -75,6 +78,7 @@ class Robot:
     max_turn_rate: float = MotionLimits.max_turn_rate
     max_turn_acceleration: float = MotionLimits.max_turn_acceleration
     weight: float = 1.0
+    committed: Optional[float] = None
     path: Polyline = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -98,6 +102,8 @@ class Robot:
             raise InvalidScenario(f"robot {self.name}: must be positive, not {self.radius!r}", field="radius")
         if not (_is_finite(self.weight) and self.weight > 0.0):
             raise InvalidScenario(f"robot {self.name}: must be positive, not {self.weight!r}", field="weight")
+        if self.committed is not None and not (_is_finite(self.committed) and self.committed >= 0.0):
+            raise InvalidScenario(f"robot {self.name}: must not be negative, not {self.committed!r}", field="committed")
         if not (_is_finite(self.depart) and self.depart >= 0.0):
             raise InvalidScenario(f"robot {self.name}: must not be negative, not {self.depart!r}",
                                   field="depart")

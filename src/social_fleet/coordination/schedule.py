@@ -52,6 +52,9 @@ class Schedule:
         What keeps it apart from the others whatever the clock says; ascending in `at`.
     version : int
         Version of the coordination that it comes from.
+    peers : tuple of str
+        The robots that must have reported this version, or a later one, before this robot passes what it is committed
+        to (`Robot.committed`): those that may still follow an older one.
     """
 
     robot: Robot
@@ -59,6 +62,7 @@ class Schedule:
     times: np.ndarray
     precedences: Tuple[Precedence, ...] = ()
     version: int = 0
+    peers: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         try:

@@ -4,17 +4,21 @@ For an order, the second robot's links in a window are walked in ascending order
 first has to be past by then. A row is kept as long as `clear` rises by no more than `_STAIR`: see doc/coordination.md.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 from numba import njit
 
-from social_fleet.coordination.conflict_regions import LINK, Links, close_runs, label_runs
+from social_fleet.coordination.conflict_regions import LINK, Links, close_runs, label_runs, squared_gap
 
 SHORT = 2.0
 """A window whose arcs are both shorter than this is an intersection [m]."""
 
+_TINY = 1e-6  # [m]
 _STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
+_NEAR = 0.3  # how far beyond what two robots are committed to they may be closer than the distance, ... [m]
+_SLACK = 0.05  # ... and by how much: robots stand a little short of where they wait [m]
+_NEARER = 0.02  # two that are closer than that already may come so much closer yet [m]
 _SETBACK = 1.0  # by which a window that runs along, or against, the other path may depart from that [m]
 
 
@@ -26,7 +30,8 @@ class WindowRows(NamedTuple):
     extents : (N, 4) array
         Where either path enters and leaves [m]: r from, r to, s from, s to.
     ends : (N, 4) bool array
-        Whether r's start, r's goal, s's start, s's goal lie in the other's way.
+        Whether r's start, r's goal, s's start, s's goal lie in the other's way; for robots under way, whether any place
+        does that they are committed to.
     kinds : (N,) int array
         Positions in `schedule.KINDS`.
     starts : (2 N + 1,) int array
@@ -43,16 +48,36 @@ class WindowRows(NamedTuple):
     clear: np.ndarray
 
 
-def window_rows(r: Links, s: Links, distance: float) -> WindowRows:
-    """The windows of two paths: where links come closer than `distance` [m]."""
+def window_rows(r: Links, s: Links, distance: float, *, committed: Optional[Tuple[float, float]] = None,
+                least: float = 0.0) -> WindowRows:
+    """The windows of two paths: where links come closer than `distance` [m].
+
+    Parameters
+    ----------
+    committed : (float, float), optional
+        The arc lengths that two robots under way are committed to [m], borders of links: what both reach within these
+        is settled, and no part of any window. Where they are closer than the distance now, they need not keep it before
+        they have got away from each other, only what they have.
+    least : float
+        What they keep even then [m].
+    """
+    r_upto, s_upto = committed or (0.0, 0.0)
     return WindowRows(*_windows(r.tails, r.heads, r.middles, r.starts, r.ends,
-                                s.tails, s.heads, s.middles, s.starts, s.ends, distance))
+                                s.tails, s.heads, s.middles, s.starts, s.ends, distance,
+                                r_upto, s_upto, least if committed is not None else np.inf))
 
 
 @njit(cache=True)
 def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-untyped-def]
-             s_tails, s_heads, s_middles, s_starts, s_ends, distance):
+             s_tails, s_heads, s_middles, s_starts, s_ends, distance, r_upto, s_upto, least):
     runs = close_runs(r_tails, r_heads, r_middles, s_tails, s_heads, s_middles, distance)
+    r_own, s_own = max(np.sum(r_ends <= r_upto + _TINY), 1), max(np.sum(s_ends <= s_upto + _TINY), 1)
+    if least < np.inf:
+        present = np.sqrt((r_tails[0, 0] - s_tails[0, 0]) ** 2 + (r_tails[0, 1] - s_tails[0, 1]) ** 2)
+        close = max(min(distance - _SLACK, present - _NEARER), least)
+        near = _NEAR + 2.0 * (distance - _SLACK - close)
+        runs = _unsettled(runs, r_own, s_own, np.sum(r_starts <= r_upto + near), np.sum(s_starts <= s_upto + near),
+                          r_tails, r_heads, s_tails, s_heads, close)
     labels = label_runs(runs)
     count = labels.max() + 1 if len(labels) else 0
     extents = np.empty((count, 4))
@@ -67,8 +92,8 @@ def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-u
         last_row, first, last = len(mine) - 1, mine[:, 1].min(), mine[:, 2].max()
         extents[window, 0], extents[window, 1] = r_starts[mine[0, 0]], r_ends[mine[last_row, 0]]
         extents[window, 2], extents[window, 3] = s_starts[first], s_ends[last]
-        ends[window, 0], ends[window, 1] = mine[0, 0] == 0, mine[last_row, 0] == len(r_starts) - 1
-        ends[window, 2], ends[window, 3] = first == 0, last == len(s_starts) - 1
+        ends[window, 0], ends[window, 1] = mine[0, 0] < r_own, mine[last_row, 0] == len(r_starts) - 1
+        ends[window, 2], ends[window, 3] = first < s_own, last == len(s_starts) - 1
         kinds[window] = _kind(mine, extents[window])
         by_first = np.argsort(mine[:, 1], kind="mergesort")
         rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows)
@@ -76,6 +101,34 @@ def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-u
         rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows)
         starts[2 * window + 2] = rows
     return extents, ends, kinds, starts, at[:rows], clear[:rows]
+
+
+@njit(cache=True)
+def _unsettled(runs, r_own, s_own, r_near, s_near,  # type: ignore[no-untyped-def]
+               r_tails, r_heads, s_tails, s_heads, close):
+    """The runs without what two robots under way are committed to, nor what is not really `close` [m] beside that."""
+    rest = np.empty((len(runs) + r_near * s_near, 3), np.int64)
+    count = 0
+    for index in range(len(runs)):
+        i, last = runs[index, 0], runs[index, 2]
+        begun = False
+        for j in range(runs[index, 1], last + 1):
+            if i >= r_near or j >= s_near:
+                if not begun:
+                    rest[count, 0], rest[count, 1] = i, j
+                    count += 1
+                rest[count - 1, 2] = last
+                break
+            if (i < r_own and j < s_own) or squared_gap(r_tails[i], r_heads[i], s_tails[j],
+                                                        s_heads[j]) >= close * close:
+                begun = False
+                continue
+            if not begun:
+                rest[count, 0], rest[count, 1] = i, j
+                count += 1
+                begun = True
+            rest[count - 1, 2] = j
+    return rest[:count]
 
 
 @njit(cache=True)

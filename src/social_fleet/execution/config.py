@@ -30,6 +30,8 @@ class TrackerConfig(Parameters):
     lag_begin: float = parameter(0.03, minimum=0.0)  # the reference slows when the robot is this far behind [m]
     lag_end: float = parameter(0.10, above=0.0)  # and stands when it is this far behind [m]
     pose_timeout: float = parameter(0.5, above=0.0)  # age at which a pose is no news [s]
+    pose_jump: float = parameter(0.15, above=0.0)  # a pose that moves by more than the robot can and this, jumps [m]
+    pose_settle: float = parameter(10.0, minimum=0.0)  # for how long poses must hang together elsewhere then [s]
     standoff: float = parameter(0.02, minimum=0.0)  # how far before a gate to stand [m]
     release_tolerance: float = parameter(0.03, minimum=0.0)  # how far short of a gate's release counts as passed [m]
 

@@ -30,6 +30,7 @@ class DelayMonitor:
     """
 
     def __init__(self, schedule: Schedule, *, late: float = 5.0, recovered: float = 2.0) -> None:
+        self.schedule = schedule
         self._arcs: List[float] = schedule.arc_lengths.tolist()
         self._times: List[float] = schedule.times.tolist()
         self._late = late

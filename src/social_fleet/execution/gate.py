@@ -26,6 +26,8 @@ class Waiting(NamedTuple):
 class PrecedenceGate:
     """Bounds the arc length of one robot by the precedences that are not yet released.
 
+    Before it passes anything beyond what it is committed to, all `peers` of its schedule must have left older ones.
+
     A precedence is released once `other` has reported an arc length of at least `other_at` on the very schedule
     version that `other_at` belongs to. Without news nothing is released; what is released stays so, because progress
     never falls.
@@ -52,6 +54,10 @@ class PrecedenceGate:
         self._awaited: Set[str] = set()
         self._passed: Dict[Tuple[str, int], float] = {}
         self._since: Optional[float] = None
+        self._version = 0
+        self._committed = math.inf
+        self._unconfirmed: Set[str] = set()
+        self._newest: Dict[str, int] = {}
         self.bound = math.inf
 
     def follow(self, schedule: Schedule) -> None:
@@ -59,27 +65,43 @@ class PrecedenceGate:
         self._precedences = sorted(schedule.precedences, key=lambda precedence: precedence.at)
         self._next = 0
         self._since = None
-        self._advance()
+        self._version = schedule.version
+        self._committed = schedule.robot.committed or 0.0
+        self._unconfirmed = {name for name in schedule.peers if self._newest.get(name, 0) < schedule.version}
+        self._advance(anew=True)
 
     def hear(self, others: Mapping[str, ReportedProgress]) -> None:
         """Take in the latest reports, by name; those of robots that nothing is awaited from are passed over."""
-        changed = False
+        changed = confirmed = False
         for name in self._awaited:
             report = others.get(name)
             if report is not None and report[1] > self._passed.get((name, report[0]), -math.inf):
                 self._passed[name, report[0]] = report[1]
                 changed = True
-        if changed:
-            self._advance()
+        if self._unconfirmed:
+            for name, report in others.items():
+                self._newest[name] = max(report.version, self._newest.get(name, 0))
+            left = {name for name in self._unconfirmed if self._newest.get(name, 0) < self._version}
+            confirmed, self._unconfirmed = left != self._unconfirmed, left
+        if changed or confirmed:
+            self._advance(anew=confirmed)
 
-    def _advance(self) -> None:
+    def _advance(self, *, anew: bool = False) -> None:
         """Step over what is released; a later precedence cannot bind before an earlier one."""
+        first = self._next
         while self._next < len(self._precedences) and self._released(self._precedences[self._next]):
             self._next += 1
             self._since = None
+        if self._next > first or anew:
+            self._bind()
+
+    def _bind(self) -> None:
+        """Find the bound, and whose reports may move it."""
         self._awaited = {precedence.other for precedence in self._precedences[self._next:]}
         held = self._next < len(self._precedences)
         self.bound = max(self._precedences[self._next].at - self._standoff, 0.0) if held else math.inf
+        if self._unconfirmed:
+            self.bound = min(self.bound, self._committed)
 
     def _released(self, precedence: Precedence) -> bool:
         passed = self._passed.get((precedence.other, precedence.other_version))
@@ -87,10 +109,12 @@ class PrecedenceGate:
 
     def waiting_for(self, now: float) -> Optional[Waiting]:
         """Whom a robot that stands at the bound at `now` waits for; None when nothing holds it."""
-        if self._next == len(self._precedences):
+        if self._next == len(self._precedences) and not self._unconfirmed:
             return None
         if self._since is None:
             self._since = now
+        if self._unconfirmed and self.bound == self._committed:
+            return Waiting(min(self._unconfirmed), self._committed, 0.0, self._since)
         precedence = self._precedences[self._next]
         return Waiting(precedence.other, precedence.at, precedence.other_at, self._since)
 

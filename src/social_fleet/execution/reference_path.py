@@ -33,6 +33,8 @@ class ReferencePath:
     ----------
     robot : Robot
         Its path and limits.
+    moving : bool
+        The robot is under way when it takes up this path: its start does not bound the speed.
 
     Attributes
     ----------
@@ -42,7 +44,7 @@ class ReferencePath:
         One between every two stops; one without extent when the path is a point.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, *, moving: bool = False) -> None:
         path, limits = robot.path, robot.limits
         self.length = path.length
         self._points: List[Tuple[float, float]] = [(float(x), float(y)) for x, y in path.points]
@@ -50,7 +52,8 @@ class ReferencePath:
         self._directions = [(math.cos(heading), math.sin(heading)) for heading in path.segment_headings.tolist()]
         usable = MotionLimits(_SPEED_SHARE * limits.max_speed, _ACCELERATION_SHARE * limits.max_acceleration,
                               _TURN_SHARE * limits.max_turn_rate, _TURN_SHARE * limits.max_turn_acceleration)
-        self.legs = [_listed(leg, usable) for leg in driven_legs(path, turning_points(path)[0].tolist())]
+        self.legs = [_listed(leg, usable, moving and number == 0)
+                     for number, leg in enumerate(driven_legs(path, turning_points(path)[0].tolist()))]
 
     def pose(self, leg: int, arc_length: float) -> Pose:
         """Position and direction of travel at `arc_length` [m], which must lie on leg number `leg`."""
@@ -86,7 +89,7 @@ class ReferencePath:
         return best
 
 
-def _listed(leg: DrivenLeg, limits: MotionLimits) -> Leg:
-    squares = leg.permitted_speeds(limits) ** 2
+def _listed(leg: DrivenLeg, limits: MotionLimits, moving: bool) -> Leg:
+    squares = leg.permitted_speeds(limits, moving=moving) ** 2
     return Leg(float(leg.arc_lengths[0]), leg.step, leg.points[:, 0].tolist(), leg.points[:, 1].tolist(),
                leg.headings.tolist(), squares.tolist())

@@ -92,6 +92,11 @@ class SocialPlanner:
         self.graph = graph
 
     @property
+    def way(self) -> ConfigurationSpace:
+        """Where the robot fits with its margin to walls."""
+        return self._way
+
+    @property
     def graph(self) -> Optional[SocialGraph]:
         """The social graph in use."""
         return self._graph

@@ -16,6 +16,7 @@ from std_msgs.msg import Float64
 
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import InvalidInput, InvalidParameter
+from social_fleet.geometry import Pose
 from social_fleet.msg import Schedule
 from social_fleet.parameters import from_mapping, parameter
 from social_fleet.ros import conversions, parameters
@@ -81,12 +82,14 @@ class FakeRobots:
         prefix = parameters.private_prefix()
         robots = _listed(others.pop("robots", {}), prefix)
         lidar = LidarConfig.from_mapping(others.pop("lidar", {}), prefix=f"{prefix}lidar/")
-        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         self._faults: Sequence[Fault] = ()
         self._obstacles: Sequence[CircleObstacle] = ()
         self._time_zero: Optional[float] = None
         if self._config.scenario:
-            robots += self._from_scenario(load_scenario(resolve_path(self._config.scenario)))
+            scenario = load_scenario(resolve_path(self._config.scenario))
+            others = {**others, **scenario.simulation}
+            robots += self._from_scenario(scenario)
+        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         if not robots:
             raise InvalidParameter("lists no robot; name robots or a scenario file", field=f"{prefix}robots")
         self._world = World(robots, config=simulation)
@@ -164,9 +167,9 @@ class FakeRobots:
             self._clock.publish(Clock(stamp))
         if self._due(self._config.tf_rate):
             for name, topics in self._robots.items():
-                topics.estimate = self._world.localise(name)
-            self._fleet.publish_transforms(stamp, self._robots.values(), self._config.localise)
-        if self._config.localise and self._due(self._config.pose_rate):
+                topics.estimate = self._localise(name, stamp) if self._config.localise else None
+            self._fleet.publish_transforms(stamp, self._robots.values())
+        if self._due(self._config.pose_rate):
             for topics in self._robots.values():
                 topics.publish_pose(stamp, self._config.map_frame)
         if self._due(self._config.scan_rate) and self._world.grid is not None:
@@ -177,6 +180,20 @@ class FakeRobots:
         self._fleet.publish_truth(stamp, [robot.pose for robot in self._world.robots.values()])
         for topics in self._robots.values():
             topics.publish_odometry(stamp)
+
+    def _localise(self, name: str, stamp: genpy.Time) -> Optional[Pose]:
+        """Where localisation has a robot; None while it does not know."""
+        pose = self._world.localise(name)
+        now = -math.inf if self._time_zero is None else stamp.to_sec() - self._time_zero
+        for fault in self._faults:
+            if pose is None or fault.robot != name or not fault.active(now):
+                continue
+            if fault.kind == "lost":
+                return None
+            if fault.kind == "jump":
+                pose = Pose(pose.x + fault.distance * math.cos(fault.direction),
+                            pose.y + fault.distance * math.sin(fault.direction), pose.yaw)
+        return pose
 
     def _due(self, rate: float) -> bool:
         """Whether something that happens `rate` times a second happens in this tick."""

@@ -10,7 +10,7 @@ from social_fleet.parameters import Parameters, from_mapping, parameter
 from social_fleet.scenario.locations import resolve
 
 LOCALIZATIONS = ("amcl", "external", "fake")
-NAVIGATIONS = ("move_base", "tracker", "none")
+NAVIGATIONS = ("move_base", "navigator", "tracker", "none")
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class FleetRobot(Parameters):
     radius: float = parameter(0.25, above=0.0)  # [m]
     max_speed: float = parameter(0.7, above=0.0)  # [m/s]
     localization: str = parameter("amcl", choices=LOCALIZATIONS)
-    navigation: str = parameter("tracker", choices=NAVIGATIONS)
+    navigation: str = parameter("navigator", choices=NAVIGATIONS)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -69,7 +69,7 @@ def _shared(fleet: Fleet, config: FleetLauncherParameters) -> LaunchFile:
         given["simulated"] = {name: {**bodies[name], "start": list(robot.start)}
                               for name, robot in fleet.robots.items()}
         given["localise"] = True in localised
-        given["in_step"] = {robot.navigation for robot in fleet.robots.values()} == {"tracker"}
+        given["in_step"] = all(robot.navigation in ("navigator", "tracker") for robot in fleet.robots.values())
         given["real_time_factor"] = config.real_time_factor
         given["true_map"] = config.true_map
         given["simulation_overrides"] = config.simulation_overrides

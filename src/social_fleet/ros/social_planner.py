@@ -152,7 +152,7 @@ class SocialPlannerNode:
             return PlanPathResponse(status=status, message=str(error) or type(error).__name__)
         return PlanPathResponse(status=PlanPathResponse.SUCCESS, message=plan.message, path=message.path,
                                 length=plan.length, social_cost=plan.social_cost, planning_time=plan.search_time,
-                                temporary=plan.temporary)
+                                temporary=plan.temporary, radius=message.radius, max_speed=message.max_speed)
 
     def _serve_make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
         """GetPlan has no field for a reason: the log has it."""

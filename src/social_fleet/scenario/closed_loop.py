@@ -4,8 +4,6 @@ import math
 import time
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-import numpy as np
-
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.execution.config import TrackerConfig
 from social_fleet.execution.gate import ReportedProgress
@@ -19,6 +17,7 @@ from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
 from social_fleet.simulation.world import World
 
+_UNKNOWN = (math.nan, math.nan)
 _SETTLE = 1.0  # how long to watch the robots after the last arrival [s]
 
 
@@ -142,5 +141,5 @@ class ClosedLoop:
         references: List[Tuple[float, float]] = []
         for tracker in self.trackers.values():
             reference = tracker.reference
-            references.append((np.nan, np.nan) if reference is None else (reference.x, reference.y))
-        self.recorder.add(self.now, self.world.poses(), np.array(references))
+            references.append(_UNKNOWN if reference is None else (reference.x, reference.y))
+        self.recorder.add(self.now, [robot.pose for robot in self.world.robots.values()], references)

@@ -2,17 +2,20 @@
 
 import math
 import os
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Tuple, Type
 
 import yaml
 
 from social_fleet.coordination.options import FORMULATIONS, MODES, OBJECTIVES
 from social_fleet.errors import InvalidInput, InvalidScenario
 from social_fleet.files import PathLike, atomic_write, plain, read_yaml
+from social_fleet.parameters import Parameters
 from social_fleet.scenario.fields import Fields
 from social_fleet.scenario.locations import resolve
 from social_fleet.scenario.scenario import Coordination, Expect, RobotSpec, Scenario
-from social_fleet.simulation.faults import FAULT_KINDS, CircleObstacle, Fault
+from social_fleet.simulation.config import SimulationConfig
+from social_fleet.simulation.faults import DISPATCHER, FAULT_KINDS, LASTING, CircleObstacle, Fault
+from social_fleet.simulation.network import NetworkConfig
 
 
 def load_scenario(path: PathLike) -> Scenario:
@@ -41,9 +44,11 @@ def parse_scenario(content: Any, *, source: str) -> Scenario:
     names = [robot.name for robot in robots]
     faults = tuple(_fault(child, names) for child in fields.children("faults", []))
     expect = _expect(fields.child("expect"), names)
+    network = NetworkConfig.from_mapping(_tried(fields, "network", NetworkConfig))
+    simulation = _tried(fields, "simulation", SimulationConfig)
     fields.finish()
     return Scenario(map_name, _map_path(fields, map_name), robots, planner, coordination, obstacles, faults, expect,
-                    source)
+                    network, simulation, source)
 
 
 def save_scenario(scenario: Scenario, path: PathLike) -> None:
@@ -75,7 +80,12 @@ def scenario_to_dict(scenario: Scenario) -> Dict[str, Any]:
     if scenario.obstacles:
         content["obstacles"] = [_obstacle_to_dict(obstacle) for obstacle in scenario.obstacles]
     if scenario.faults:
-        content["faults"] = [_given(fault) for fault in scenario.faults]
+        content["faults"] = [{name: list(value) if isinstance(value, tuple) else value
+                              for name, value in _given(fault).items()} for fault in scenario.faults]
+    if scenario.network != NetworkConfig():
+        content["network"] = _given(scenario.network)
+    if scenario.simulation:
+        content["simulation"] = scenario.simulation
     if scenario.planner:
         content["planner"] = scenario.planner
     content["coordination"] = {**_given(scenario.coordination), "mode": scenario.coordination.mode}
@@ -123,11 +133,17 @@ def _obstacle_to_dict(obstacle: CircleObstacle) -> Dict[str, Any]:
 
 
 def _fault(fields: Fields, names: Sequence[str]) -> Fault:
-    fault = Fault(robot=fields.choice("robot", names), kind=fields.choice("kind", FAULT_KINDS),
-                  at=fields.number("at", least=0.0), duration=fields.number("duration", above=0.0),
-                  **({"factor": fields.number("factor", above=0.0)} if fields.has("factor") else {}))
-    if fault.factor > 1.0:
-        raise fields.wrong("factor", f"must be at most 1, not {fault.factor:g}")
+    kind = fields.choice("kind", FAULT_KINDS)
+    values = {name: fields.number(name, above=above) for name, above in (
+        ("factor", 0.0), ("distance", None), ("direction", None)) if fields.has(name)}
+    lasting = (math.inf,) if kind in LASTING else ()
+    goal = fields.numbers("goal", ("x", "y", "yaw"), optional=1) if fields.has("goal") else ()
+    try:
+        fault = Fault(robot=fields.choice("robot", [*names, DISPATCHER]), kind=kind, goal=goal,
+                      at=fields.number("at", least=0.0), duration=fields.number("duration", *lasting, above=0.0),
+                      **values)
+    except InvalidScenario as error:
+        raise error if error.source else fields.wrong(error.field, error.message) from error
     fields.finish()
     return fault
 
@@ -169,6 +185,18 @@ def _planner(fields: Fields) -> Dict[str, Any]:
         PlannerConfig.from_mapping(overrides)
     except InvalidInput as error:
         raise fields.wrong("planner" + (f".{error.field}" if error.field else ""), error.message) from error
+    return dict(overrides)
+
+
+def _tried(fields: Fields, key: str, kind: Type[Parameters]) -> Dict[str, Any]:
+    """Overrides of parameters, tried out so that a mistake is found on loading."""
+    overrides = fields.take(key, {})
+    if not isinstance(overrides, dict):
+        raise fields.wrong(key, f"must be a mapping of parameters to values, not {overrides!r}")
+    try:
+        kind.from_mapping(overrides)
+    except InvalidInput as error:
+        raise fields.wrong(key + (f".{error.field}" if error.field else ""), error.message) from error
     return dict(overrides)
 
 

@@ -17,7 +17,7 @@ EXPECT = Expect(max_lateness=2.0, max_tracking_error=0.1)  # all arrive, on time
 
 
 def random_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: str, map_path: str,
-                    max_speed: float = 0.7, radius: float = 0.25, mixed: bool = False) -> Scenario:
+                    max_speed: float = 0.7, radius: float = 0.25, mixed: bool = False, room: float = 0.0) -> Scenario:
     """Robots at random free poses with random headings, each with a goal that it can reach.
 
     Parameters
@@ -32,6 +32,8 @@ def random_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: st
         The map as the scenario file is to name it, and its absolute path.
     max_speed, radius
         [m/s], [m].
+    room
+        What starts and goals keep from walls [m].
     mixed
         Draw each robot's speed between a third of `max_speed` and all of it.
 
@@ -42,7 +44,7 @@ def random_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: st
     """
     separation = 2.0 * radius + ROOM
     try:
-        pairs = random_pose_pairs(ConfigurationSpace(grid, radius), robots, seed=seed, separation=separation)
+        pairs = random_pose_pairs(ConfigurationSpace(grid, radius + room), robots, seed=seed, separation=separation)
     except InvalidInput as error:
         raise InvalidScenario(f"no room for {robots} robots of radius {radius:g} m, {ROOM:g} m apart: {error.message}",
                               source=map_name, field="robots") from error

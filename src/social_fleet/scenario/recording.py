@@ -1,11 +1,16 @@
 """True motion of a fleet over time: what reports, pictures and animations are made from."""
 
+from array import array
 from dataclasses import dataclass
-from typing import List, Optional, Sequence, Tuple
+from itertools import chain
+from typing import Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from social_fleet.errors import InvalidInput
+
+Rows = Union[np.ndarray, Iterable[Sequence[float]]]
+"""Numbers of each robot in turn."""
 
 
 @dataclass(frozen=True)
@@ -72,23 +77,24 @@ class Recorder:
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)
         self._times: List[float] = []
-        self._poses: List[np.ndarray] = []
-        self._references: List[np.ndarray] = []
+        self._poses = array("d")
+        self._references = array("d")
+        self._unknown = [(np.nan, np.nan)] * len(self.names)
 
-    def add(self, time: float, poses: np.ndarray, references: Optional[np.ndarray] = None) -> None:
+    def add(self, time: float, poses: Rows, references: Optional[Rows] = None) -> None:
         """Add one sample: (R, 3) poses, and (R, 2) references where known; a time that does not rise is skipped."""
         if self._times and time <= self._times[-1]:
             return
         self._times.append(time)
-        self._poses.append(np.array(poses, dtype=float).reshape(len(self.names), 3))
-        known = np.full((len(self.names), 2), np.nan) if references is None else np.array(references, dtype=float)
-        self._references.append(known.reshape(len(self.names), 2))
+        self._poses.extend(chain.from_iterable(poses))
+        self._references.extend(chain.from_iterable(self._unknown if references is None else references))
 
     def __len__(self) -> int:
         return len(self._times)
 
     def recording(self) -> Recording:
         """What was collected so far."""
-        references = np.array(self._references)
-        return Recording(self.names, np.array(self._times), np.array(self._poses).reshape(-1, len(self.names), 3),
+        references = np.array(self._references).reshape(-1, len(self.names), 2)
+        poses = np.array(self._poses).reshape(-1, len(self.names), 3)
+        return Recording(self.names, np.array(self._times), poses,
                          None if not len(references) or np.isnan(references).all() else references)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
+from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
+from social_fleet.simulation.network import NetworkConfig
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,10 @@ class Scenario:
         Absolute path of the map's YAML file.
     planner : mapping
         Overrides of `PlannerConfig`.
+    network : NetworkConfig
+        How messages fare.
+    simulation : mapping
+        Overrides of `SimulationConfig`.
     source : str
         The file it came from; empty when made in memory.
     """
@@ -95,12 +101,24 @@ class Scenario:
     obstacles: Tuple[CircleObstacle, ...] = ()
     faults: Tuple[Fault, ...] = ()
     expect: Expect = Expect()
+    network: NetworkConfig = NetworkConfig()
+    simulation: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
 
     def __post_init__(self) -> None:
         _check_names(self.robots, self.source)
         for end in ("start", "goal"):
             _check_apart(self.robots, end, self.coordination.tracking_tolerance, self.source)
+
+    @property
+    def is_undisturbed(self) -> bool:
+        """Whether nothing is to go wrong."""
+        return not (self.faults or self.obstacles) and self.network == NetworkConfig()
+
+    @property
+    def simulation_config(self) -> SimulationConfig:
+        """Of the simulated robots."""
+        return SimulationConfig.from_mapping(self.simulation)
 
     @property
     def name(self) -> str:

@@ -2,23 +2,32 @@
 
 import math
 from dataclasses import dataclass
-from typing import Sequence
+from typing import Iterable, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
 
-FAULT_KINDS = ("pause", "slow")
+FAULT_KINDS = ("pause", "slow", "lost", "jump", "silent", "restart", "dead", "errand", "join")
+LASTING = ("dead", "errand", "join")
+"""Those that do not come to an end."""
+
+DISPATCHER = "dispatcher"
+"""Whom a fault may befall besides robots."""
 
 
 @dataclass(frozen=True)
 class Fault:
     """Something that befalls one robot.
 
-    ``pause`` makes it stand for `duration`; ``slow`` lets it drive at `factor` of its commanded velocity.
+    ``pause`` makes it stand for `duration`; ``slow`` lets it drive at `factor` of its commanded velocity; ``lost``
+    leaves it without a pose; ``jump`` shifts its pose by `distance` towards `direction`; ``silent`` cuts it off from
+    all others; ``restart`` ends its program, which starts anew after `duration` knowing nothing; ``dead`` ends it for
+    good. ``errand`` gives it another `goal` and ``join`` starts its program at `at`; both last for ever. The dispatcher
+    can be ``silent`` and ``restart``.
 
     Parameters
     ----------
     robot : str
-        The robot's name.
+        The robot's name, or ``dispatcher``.
     kind : str
         One of `FAULT_KINDS`.
     at : float
@@ -27,6 +36,10 @@ class Fault:
         How long it lasts [s].
     factor : float
         Of a slow robot, in (0, 1].
+    distance, direction : float
+        Of a jump [m], [rad, map frame].
+    goal : tuple of float
+        Of an errand: (x, y) or (x, y, yaw) [m, rad, map frame].
 
     Raises
     ------
@@ -37,18 +50,27 @@ class Fault:
     robot: str
     kind: str
     at: float
-    duration: float
+    duration: float = math.inf
     factor: float = 0.5
+    distance: float = 0.5
+    direction: float = 0.0
+    goal: Tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.kind not in FAULT_KINDS:
             raise InvalidScenario(f"must be one of {', '.join(FAULT_KINDS)}, not {self.kind!r}", field="kind")
-        for name in ("at", "duration"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InvalidScenario(f"must be a time that is not negative, not {value!r}", field=name)
+        if self.robot == DISPATCHER and self.kind not in ("silent", "restart"):
+            raise InvalidScenario(f"the dispatcher can be silent or restart, not {self.kind!r}", field="kind")
+        if not (math.isfinite(self.at) and self.at >= 0.0):
+            raise InvalidScenario(f"must be a time that is not negative, not {self.at!r}", field="at")
+        if not (self.duration >= 0.0 and (math.isfinite(self.duration) or self.kind in LASTING)):
+            raise InvalidScenario(f"must be a time that is not negative, not {self.duration!r}", field="duration")
         if not 0.0 < self.factor <= 1.0:
             raise InvalidScenario(f"must be greater than 0 and at most 1, not {self.factor!r}", field="factor")
+        if not (math.isfinite(self.distance) and math.isfinite(self.direction)):
+            raise InvalidScenario(f"must be finite, not {(self.distance, self.direction)!r}", field="distance")
+        if (self.kind == "errand") != bool(self.goal):
+            raise InvalidScenario("an errand, and nothing else, needs a goal", field="goal")
 
     def active(self, now: float) -> bool:
         """Whether it is in force at `now` [s]."""
@@ -59,9 +81,14 @@ def speed_share(faults: Sequence[Fault], robot: str, now: float) -> float:
     """Share of the commanded velocity that `robot` drives at `now` [s]: 0 while it is paused."""
     share = 1.0
     for fault in faults:
-        if fault.robot == robot and fault.active(now):
+        if fault.robot == robot and fault.kind in ("pause", "slow") and fault.active(now):
             share = min(share, 0.0 if fault.kind == "pause" else fault.factor)
     return share
+
+
+def active(faults: Iterable[Fault], now: float, *kinds: str) -> bool:
+    """Whether any of `faults` of these kinds is in force at `now` [s]."""
+    return any(fault.kind in kinds and fault.active(now) for fault in faults)
 
 
 @dataclass(frozen=True)

@@ -71,6 +71,8 @@ class DifferentialDriveRobot:
             self._command = (0.0, 0.0)
         self._command_age += period
         speed, turn_rate = self._command
+        if speed == turn_rate == self.speed == self.turn_rate == 0.0:
+            return
         self.speed = _towards(self.speed, speed * self.speed_share, limits.max_speed,
                               limits.max_acceleration * period)
         self.turn_rate = _towards(self.turn_rate, turn_rate * self.speed_share, limits.max_turn_rate,

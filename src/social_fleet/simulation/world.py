@@ -1,5 +1,6 @@
 """Several robots in one place, moved together tick by tick."""
 
+import math
 from typing import Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.simulation.clock import TickClock
 from social_fleet.simulation.config import SimulationConfig
-from social_fleet.simulation.faults import CircleObstacle, Fault, speed_share
+from social_fleet.simulation.faults import DISPATCHER, CircleObstacle, Fault, active, speed_share
 from social_fleet.simulation.lidar import Lidar
 from social_fleet.simulation.localisation import Localisation
 from social_fleet.simulation.robot import DifferentialDriveRobot
@@ -55,7 +56,7 @@ class World:
                                                   name=name) for name in self.robots}
         self._faults: Dict[str, List[Fault]] = {}
         for fault in faults:
-            if fault.robot not in self.robots:
+            if fault.robot not in self.robots and fault.robot != DISPATCHER:
                 raise InvalidScenario(f"there is no robot {fault.robot}; known are {', '.join(self.robots)}",
                                       field="faults")
             self._faults.setdefault(fault.robot, []).append(fault)
@@ -73,14 +74,27 @@ class World:
     def step(self) -> float:
         """Let one period pass; the new time [s]."""
         for name, faults in self._faults.items():
-            self.robots[name].speed_share = speed_share(faults, name, self.clock.now)
+            if name in self.robots:
+                self.robots[name].speed_share = speed_share(faults, name, self.clock.now)
         for robot in self.robots.values():
             robot.step(self.clock.period)
         return self.clock.advance()
 
-    def localise(self, name: str) -> Pose:
-        """Where robot `name` takes itself to be [m, rad, map frame]; ask once per period."""
-        return self._localisations[name].estimate(self.robots[name].pose, self.clock.period)
+    def localise(self, name: str) -> Optional[Pose]:
+        """Where robot `name` takes itself to be [m, rad, map frame], None when it does not know; ask once per period.
+        """
+        pose = self._localisations[name].estimate(self.robots[name].pose, self.clock.period)
+        for fault in self._faults.get(name, ()):
+            if fault.kind == "lost" and fault.active(self.clock.now):
+                return None
+            if fault.kind == "jump" and fault.active(self.clock.now):
+                pose = Pose(pose.x + fault.distance * math.cos(fault.direction),
+                            pose.y + fault.distance * math.sin(fault.direction), pose.yaw)
+        return pose
+
+    def befalls(self, name: str, *kinds: str) -> bool:
+        """Whether a fault of these kinds befalls the robot, or the dispatcher, now."""
+        return active(self._faults.get(name, ()), self.clock.now, *kinds)
 
     def poses(self) -> np.ndarray:
         """True poses [m, rad, map frame], shape (R, 3), in the robots' order."""
