@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseArray
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from support import Listener, stamped, wait_until
 
-from social_fleet.msg import Directive, NavigationStatus, RobotReport, Waiting
+from social_fleet.msg import Directive, NavigationStatus, PlannedPath, RobotReport, Waiting
 
 PATIENCE = 120.0  # [s] of wall time, for what is compiled before the first drive, too
 RADIUS = 0.25  # of the robot [m]
@@ -27,7 +27,7 @@ class LidarStopTest(unittest.TestCase):
         cls.client = actionlib.SimpleActionClient("blue/move_base", MoveBaseAction)
         cls.truth, cls.reports = Listener("fleet/ground_truth", PoseArray), Listener("blue/report", RobotReport)
         cls.waits, cls.states = Listener("fleet/waiting", Waiting), Listener("fleet/navigation", NavigationStatus)
-        cls.directives = Listener("fleet/directives", Directive)
+        cls.directives, cls.paths = Listener("fleet/directives", Directive), Listener("fleet/paths", PlannedPath)
         assert cls.client.wait_for_server(rospy.Duration(60.0)), "the action server did not come up"
         wait_until(lambda: cls.reports.messages, "the tracker")
 
@@ -51,6 +51,7 @@ class LidarStopTest(unittest.TestCase):
         self.assertEqual(self.client.get_state(), GoalStatus.SUCCEEDED, self.client.get_goal_status_text())
         self.assertGreater(self.closest(*LOOSE), 0.0)
         self.assertTrue(self.obstacles())
+        self.assertEqual([path.temporary for path in self.paths.messages], [False, True])
 
     def test_2_it_stops_before_what_does_not_and_says_so(self) -> None:
         self.send(27.0, 3.5)

@@ -18,6 +18,7 @@ from social_fleet.msg import Directive as DirectiveMessage, RobotReport, Schedul
 from social_fleet.planning.planner import SocialPlanner
 from social_fleet.ros import exchange_conversions as exchange
 from social_fleet.ros.diagnostics import Health, Level
+from social_fleet.ros.planner_notices import PlannerNotices
 
 _PERIOD = 0.1  # between two looks at what has come [s, wall time]
 
@@ -30,7 +31,7 @@ class FleetDispatch:
     Subscribers
         fleet/reports (RobotReport), fleet/following (Schedule).
     Publishers
-        fleet/directives (Directive).
+        fleet/directives (Directive); and see `PlannerNotices`.
 
     Parameters
     ----------
@@ -53,6 +54,7 @@ class FleetDispatch:
                  told: Callable[[Dict[str, ScheduleMessage]], None]) -> None:
         self.active = False
         self._frame, self._config, self._ready, self._told = frame, config, ready, told
+        self._notices = PlannerNotices(frame)
         self._dispatcher = Dispatcher(Replanning(planner_for, options), config)
         self._clock = exchange.FleetClock(rospy.Time.now())
         self._inbox: Deque[RobotReport] = deque()
@@ -104,8 +106,11 @@ class FleetDispatch:
             return
         message = exchange.directive_to_message(directive, self._frame, self._clock)
         self._say(message)
+        self._notices.show(directive.obstacles)
         new = {item.schedule.robot: item.schedule for item in message.assignments
                if item.schedule.version > self._given.get(item.schedule.robot, 0)}
+        for item in message.assignments:
+            self._notices.announce(item)
         self._given.update((name, schedule.version) for name, schedule in new.items())
         if new:
             self._told(new)

@@ -238,9 +238,9 @@ class Navigator:
         self._status.publish(message)
 
     def _log_change(self) -> None:
-        """A line for every change, but none for every attempt."""
+        """A line for every change, but none for every attempt, nor for every number in a reason."""
         navigation = self._navigation
-        what = navigation.number, navigation.state, navigation.reason
+        what = navigation.number, navigation.state
         if what == self._logged or (navigation.wants_path and navigation.reason):
             return
         self._logged = what
