@@ -96,7 +96,7 @@ class FleetTopics:
         self._truth = rospy.Publisher("fleet/ground_truth", PoseArray, queue_size=100)
 
     def publish_transforms(self, stamp: genpy.Time, robots: Iterable[RobotTopics]) -> None:
-        """map -> odom -> base_link of every robot, in one message."""
+        """odom -> base_link of every robot, and map -> odom where it is localised, in one message."""
         transforms = []
         for topics in robots:
             robot = topics.robot

@@ -38,6 +38,7 @@ class FakeRobotsParameters:
     map_frame: str = "map"
     scenario: str = ""  # a scenario file whose robots, faults and obstacles are simulated beside `robots`
     keep_time: bool = True  # publish /clock; otherwise follow the time of others
+    localise: bool = True  # tell where the robots are in the map; otherwise that is left to AMCL or the like
     real_time_factor: float = parameter(1.0, minimum=0.0)  # simulated over wall time; 0: as fast as trackers answer
     answer_timeout: float = parameter(0.5, above=0.0)  # longest wait for a tracker that answered before [s, wall time]
     clock_rate: float = parameter(10.0, above=0.0)  # of /clock [Hz]: every node pays for it; odometry has every tick
@@ -68,7 +69,8 @@ class FakeRobots:
         ~real_time_factor (std_msgs/Float64): goes before the parameter from now on.
     Publishers
         ROBOT/odom (nav_msgs/Odometry), ROBOT/scan (sensor_msgs/LaserScan),
-        ROBOT/amcl_pose (geometry_msgs/PoseWithCovarianceStamped), tf map -> ROBOT/odom -> ROBOT/base_link,
+        tf ROBOT/odom -> ROBOT/base_link; map -> ROBOT/odom and ROBOT/amcl_pose
+        (geometry_msgs/PoseWithCovarianceStamped) where it localises them,
         /clock when it keeps the time, fleet/ground_truth (geometry_msgs/PoseArray): true poses in the robots' order.
     Parameters
         `FakeRobotsParameters`; those of `SimulationConfig`, see config/fake_robots.yaml; `lidar`, a mapping of those of
@@ -165,7 +167,7 @@ class FakeRobots:
             self._clock.publish(Clock(stamp))
         if self._due(self._config.tf_rate):
             for name, topics in self._robots.items():
-                topics.estimate = self._localise(name, stamp)
+                topics.estimate = self._localise(name, stamp) if self._config.localise else None
             self._fleet.publish_transforms(stamp, self._robots.values())
         if self._due(self._config.pose_rate):
             for topics in self._robots.values():
