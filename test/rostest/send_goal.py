@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A goal sent by hand: one robot drives while the other stands; what cannot be is refused with a reason."""
+"""Goals sent by hand: one robot drives, another is sent while it does; what cannot be is refused with a reason."""
 
 import math
 import sys
@@ -7,33 +7,35 @@ import unittest
 
 import rospy
 import rostest
-from support import wait_until
+from support import Listener, wait_until
 
 from social_fleet.errors import InvalidInput
 from social_fleet.geometry import Pose
+from social_fleet.msg import NavigationStatus
 from social_fleet.ros.fleet_client import Refused
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.goal_sender import GoalSender
 
-GOAL = Pose(27.0, 3.5, 0.0)
+EAST, WEST = Pose(27.0, 3.5, 0.0), Pose(4.0, 4.8, math.pi)
 
 
 class SendGoal(unittest.TestCase):
-    """Blue is sent through the corridor; gold stands at its other end."""
+    """Blue is sent through the corridor; gold stands at its other end, and then comes against it."""
 
-    def test_one_drives_while_the_other_stands(self) -> None:
-        """It arrives where it was sent; while it drives, nobody else is sent."""
-        sender, frames = GoalSender(), Frames("map")
-        with self.assertRaises(InvalidInput):
-            sender.send("nobody", GOAL)
+    def test_two_drive_at_once(self) -> None:
+        """Both arrive where they were sent."""
+        sender, frames, states = GoalSender(), Frames("map"), Listener("fleet/navigation", NavigationStatus)
+        wait_until(lambda: {message.robot for message in states.messages} == {"blue", "gold"}, "the navigators", 60.0)
+        with self.assertRaises(InvalidInput) as caught:
+            sender.send("nobody", EAST)
+        self.assertIn("blue, gold", str(caught.exception))
         with self.assertRaises(Refused):
             sender.send("blue", Pose(15.0, 0.5, 0.0))
-        stood = frames.await_pose_of("gold/base_link", 10.0)
-        self.assertGreater(sender.send("blue", GOAL), 10.0)
-        with self.assertRaises(InvalidInput):
-            sender.send("gold", Pose(2.0, 3.5, 0.0))
-        wait_until(lambda: math.dist(frames.pose_of("blue/base_link")[:2], GOAL[:2]) < 0.05, "blue at its goal", 60.0)
-        self.assertEqual(stood, frames.pose_of("gold/base_link"))
+        self.assertGreater(sender.send("blue", EAST), 10.0)
+        self.assertGreater(sender.send("gold", WEST), 10.0)
+        for robot, goal in (("blue", EAST), ("gold", WEST)):
+            wait_until(lambda: math.dist(frames.pose_of(f"{robot}/base_link")[:2], goal[:2]) < 0.05,
+                       f"{robot} at its goal", 60.0)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,13 @@
 """What rostests share: waiting with a deadline, worlds drawn as text, requests."""
 
+import os
+import signal
 import time
 from typing import Any, Callable, List, Sequence, TypeVar
+from xmlrpc.client import ServerProxy
 
 import numpy as np
+import rosgraph
 import rospy
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid
@@ -34,6 +38,18 @@ def service(name: str, kind: Any) -> rospy.ServiceProxy:
     """A service that is up."""
     rospy.wait_for_service(name, DEADLINE)
     return rospy.ServiceProxy(name, kind)
+
+
+def kill(node: str) -> None:
+    """End a node without a chance to say goodbye, and wait until it is gone."""
+    pid = ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node)).getPid(rospy.get_name())[2]
+    os.kill(pid, signal.SIGKILL)
+    wait_until(lambda: not os.path.exists(f"/proc/{pid}") or _is_zombie(pid), f"{node} to end")
+
+
+def _is_zombie(pid: int) -> bool:
+    with open(f"/proc/{pid}/stat", encoding="ascii") as stream:
+        return stream.read().rsplit(")", 1)[1].split()[0] == "Z"
 
 
 class Listener:

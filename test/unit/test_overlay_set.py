@@ -105,3 +105,22 @@ def test_threads_lose_nothing():
     for thread in threads:
         thread.join(timeout=60.0)
     assert len(overlays) == 400 and overlays.version == 1200
+
+
+def test_an_obstacle_may_concern_one_robot_only():
+    overlays = OverlaySet(GRID)
+    overlays.add("box", BOX)
+    overlays.add("cart", CART, robot="gold")
+    assert [overlay.name for overlay in overlays.of("gold")] == ["box", "cart"]
+    assert [overlay.name for overlay in overlays.of("blue")] == ["box"] == [overlay.name for overlay in overlays.of("")]
+    assert as_overlays(overlays.of("gold")) == overlays.all
+    overlays.add("cart", CART)
+    assert overlays.of("blue") == overlays.all and overlays.version == 3
+
+
+def test_a_longer_life_is_the_same_obstacle():
+    overlays = OverlaySet(GRID)
+    overlays.add("cart", CART, expires=10.0)
+    before = overlays.all
+    overlays.add("cart", CART, expires=20.0)
+    assert overlays.all == before  # so that nothing is drawn anew for it

@@ -13,10 +13,13 @@ import social_fleet
 from repository import ROOT, SOURCE, imports, name_of, python_files
 from social_fleet.coordination.schedule import KINDS
 from social_fleet.execution.state import ProgressState
+from social_fleet.files import read_yaml
 
 PACKAGE = ElementTree.parse(ROOT / "package.xml").getroot()
 # Modules whose package has another name; the rest go by their own, as ROS packages do, or python3-NAME.
 KEY_OF = {"PIL": "python3-pil", "yaml": "python3-yaml", "catkin_pkg": "catkin", "setuptools": "python3-setuptools"}
+# What Debian does not have, and what only the plugin for it is built with.
+NAVIGATION = {"amcl", "costmap_2d", "gmapping", "map_server", "move_base", "nav_core", "pluginlib", "roscpp"}
 OWN = {"social_fleet"} | {path.stem for path in python_files("test", "tools")}
 
 
@@ -80,7 +83,7 @@ def is_standard(module: str) -> bool:
 
 
 def test_the_list_of_debian_packages_holds_what_package_xml_names_and_no_more() -> None:
-    assert set(debian_list()) - {"-"} == declared()
+    assert set(debian_list()) - {"-"} == declared() - NAVIGATION
 
 
 def test_every_key_of_the_list_has_packages_and_none_comes_twice() -> None:
@@ -110,7 +113,7 @@ def test_whatever_is_imported_is_declared(folders: List[str], kinds: List[str]) 
 def test_messages_are_built_from_declared_packages() -> None:
     used = {match.group(1) for path in [*ROOT.glob("msg/*"), *ROOT.glob("srv/*")]
             for match in re.finditer(r"^(\w+)/\w+", path.read_text(encoding="utf-8"), re.MULTILINE)}
-    assert used <= declared("depend")
+    assert used <= declared("depend") - NAVIGATION
     built = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
     assert all(package in built for package in used)
 
@@ -118,6 +121,23 @@ def test_messages_are_built_from_declared_packages() -> None:
 def test_cmake_builds_every_message_and_service() -> None:
     built = set(re.findall(r"^\s+(\w+\.(?:msg|srv))$", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"), re.M))
     assert built == {path.name for path in [*ROOT.glob("msg/*"), *ROOT.glob("srv/*")]}
+
+
+def test_cmake_installs_every_executable() -> None:
+    built = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert set(re.findall(r"^ +(scripts/\w+)$", built, re.MULTILINE)) == {
+        f"scripts/{path.name}" for path in (ROOT / "scripts").iterdir() if path.is_file()}
+
+
+def test_the_plugins_parameters_are_those_of_its_manual() -> None:
+    code = (ROOT / "src" / "global_planner" / "social_global_planner.cpp").read_text(encoding="utf-8")
+    read = dict(re.findall(r'(?:own\.param\(|atLeast\(own, )"(\w+)", (?:parameters_\.\w+, )?'
+                           r"([^,)]+|std::string\([^)]*\))", code))
+    shown = read_yaml(ROOT / "config" / "social_global_planner.yaml")
+    assert set(read) == set(shown)
+    for name, default in read.items():
+        plain = default.replace("std::string(", "").strip('()"')
+        assert plain == (str(shown[name]).lower() if isinstance(shown[name], bool) else str(shown[name])), name
 
 
 def test_every_field_is_explained() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from social_fleet.errors import InvalidGoal, InvalidParameter, InvalidPose, NoPath
+from social_fleet.errors import InvalidGoal, InvalidParameter, InvalidPose, InvalidStart, NoPath
 from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.planning.config import PlannerConfig
@@ -65,6 +65,27 @@ def test_a_blocked_goal_moves_within_the_tolerance() -> None:
     plan = fleet.plan(0.3, WEST, blocked, tolerance=1.2)
     assert np.hypot(*(plan.points[-1] - blocked[:2])) <= 1.2
     assert plan.goal_yaw == 1.0
+
+
+def test_a_start_too_near_to_a_wall_is_left_straight() -> None:
+    fleet = PlanningFleet(ROOMS, PlannerConfig(robot_radius=0.4))
+    start = Pose(1.2, 2.5)
+    with pytest.raises(InvalidStart):
+        fleet.plan(0.4, start, EAST)
+    plan = fleet.plan(0.4, start, EAST, start_tolerance=0.5)
+    assert tuple(plan.points[0]) == (1.2, 2.5) and tuple(plan.points[-1]) == (10.5, 2.5)
+    assert plan.length == pytest.approx(plan.path.length)
+    assert "0.30 m straight" in plan.message
+    with pytest.raises(InvalidStart):
+        fleet.plan(0.4, Pose(0.5, 2.5), EAST, start_tolerance=2.0)  # in the wall itself
+
+
+def test_an_obstacle_of_one_robot_is_none_to_others() -> None:
+    fleet = PlanningFleet(ROOMS, PlannerConfig(robot_radius=0.4))
+    fleet.overlays.add("door", DiscObstacle(7.5, 2.5, 0.4), robot="gold")
+    assert fleet.plan(0.4, WEST, EAST, robot="blue").length > 0.0
+    with pytest.raises(NoPath):
+        fleet.plan(0.4, WEST, EAST, robot="gold")
 
 
 def test_the_message_says_where_the_path_ends() -> None:

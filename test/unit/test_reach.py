@@ -122,3 +122,21 @@ def test_what_is_reached():
     west = reached_from(lattice.links, np.array([seed]), door[door >= 0])
     assert west[lattice.node[3, 9]] and lattice.node[3, 15] >= 0 and not west[lattice.node[3, 15]]
     assert not reached_from(lattice.links, door[:1], door).any()
+
+
+@pytest.mark.parametrize("start, tolerance, wanted", [
+    ((5.4, 3.75), 0.7, True), ((5.4, 3.75), 0.6, False), ((5.7, 3.75), 2.0, False), ((-3.0, 1.0), 9.0, False),
+])
+def test_a_robot_that_was_pushed_to_a_wall_departs_from_beside_it(start, tolerance, wanted):
+    place = PLANNER.departure(start, tolerance)
+    assert (place is not None) == wanted
+    if place is not None:
+        assert math.dist(place, start) <= tolerance
+        assert PLANNER.plan(place, START).length > 0.0
+
+
+def test_a_departure_is_not_beyond_a_wall():
+    # With the place beside the start taken, those beyond the wall are the nearest.
+    beside = Rectangle(4.7, 3.0, 0.6, 4.0)
+    assert PLANNER.departure((5.4, 3.75), 2.0, overlays=[beside]) is None
+    assert PLANNER.departure((6.6, 3.75), 2.0, overlays=[beside]) == (7.25, 3.75)

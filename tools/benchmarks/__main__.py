@@ -4,7 +4,8 @@ import importlib
 import sys
 
 SUBJECTS = ("planning", "global_planner", "learning", "steadiness", "head_on",
-            "coordination", "fleets", "simulation", "execution", "nodes")
+            "coordination", "fleets", "simulation", "execution", "nodes", "control", "move_base",
+            "amcl", "gmapping")
 
 
 def main() -> int:

@@ -5,11 +5,12 @@ import re
 from typing import Any, NoReturn
 
 from social_fleet import __version__
-from social_fleet.cli import campaign, coordinate, experiment, learn, plan, random_scenario, simulate, verify
+from social_fleet.cli import (campaign, coordinate, experiment, learn, plan, random_scenario, report, simulate,
+                              verify)
 from social_fleet.errors import InvalidInput
 
 VERBS = {"plan": plan, "learn": learn, "coordinate": coordinate, "verify": verify, "simulate": simulate,
-         "campaign": campaign, "random-scenario": random_scenario, "experiment": experiment}
+         "campaign": campaign, "random-scenario": random_scenario, "experiment": experiment, "report": report}
 
 
 class Parser(argparse.ArgumentParser):

@@ -22,7 +22,7 @@ from social_fleet.planning.overlays.discs import Disc, covered_nodes, local_disc
 from social_fleet.planning.overlays.overlaid import Overlaid, OverlaidMaps, near_overlays
 from social_fleet.planning.overlays.overlay_set import Overlays
 from social_fleet.planning.plan import Plan
-from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_reachable
+from social_fleet.planning.reach import check_tolerance, joined_clear, nearest_departure, nearest_reachable
 from social_fleet.planning.routes.social_graph import SocialGraph
 from social_fleet.planning.search import Search, SearchResult
 from social_fleet.planning.social_cost.norms import Norm
@@ -187,6 +187,38 @@ class SocialPlanner:
             The message says why and what would do.
         """
         checked_position(self.space, pose, what, (), self._overlaid.of(overlays))
+
+    def departure(self, start: Sequence[float], tolerance: float, *, avoid: Sequence[Disc] = (),
+                  overlays: Overlays = ()) -> Optional[Tuple[float, float]]:
+        """Where a path may begin for a robot that was pushed to where it does not fit.
+
+        Parameters
+        ----------
+        start : (x, y) or (x, y, yaw)
+            Where it stands [m, rad, map frame].
+        tolerance : float
+            How far from there the path may begin [m].
+        avoid, overlays
+            As for `plan`.
+
+        Returns
+        -------
+        (x, y), optional
+            The nearest such place that it gets to straight and through no wall; None: there is none, or the start lies
+            in a wall or off the map.
+        """
+        check_tolerance(tolerance)
+        place = np.array(parsed_pose(start, "start")[:2])
+        if not self.grid.contains(*place):
+            return None
+        around = self._surroundings(avoid, overlays)
+        cells = 1.0 / self.grid.resolution
+        found = nearest_departure(self.lattice, around.overlaid.blocked, self.grid.to_local(place[None])[0] * cells,
+                                  around.closed, tolerance * cells)
+        if found is None:
+            return None
+        x, y = self.grid.from_local(found[None] * self.grid.resolution)[0]
+        return float(x), float(y)
 
     def closed_cells(self, overlays: Overlays) -> np.ndarray:
         """Cells (M, 2) (row, column) that a path of this robot cannot use because of obstacles."""

@@ -75,6 +75,38 @@ def nearest_reachable(lattice: Lattice, ground: Ground, start: np.ndarray, goal:
     return best[1]
 
 
+def nearest_departure(lattice: Lattice, blocked: np.ndarray, start: np.ndarray, closed: np.ndarray,
+                      tolerance: float) -> Optional[np.ndarray]:
+    """The node's centre (x, y) within `tolerance` of a start where no robot fits that is nearest to it.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        Where paths lead.
+    blocked : (rows, columns) bool array
+        The straight line from the start crosses none of these cells.
+    start : (2,) array
+        In cells along the grid's axes.
+    closed : (M,) int array
+        Nodes that a path must not enter.
+    tolerance : float
+        [cells]
+    """
+    nodes = np.setdiff1d(_nodes_about(lattice, start, tolerance), closed)
+    centres = lattice.centres(nodes)
+    for index in np.argsort(np.hypot(*(centres - start).T), kind="stable"):
+        if not blocked[_cells_between(start, centres[index])].any():
+            return centres[index]
+    return None
+
+
+def _cells_between(start: np.ndarray, end: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the cells under a straight line, sampled ten times a cell."""
+    steps = np.linspace(0.0, 1.0, 2 + int(10.0 * np.hypot(*(end - start))))[:, None]
+    cells = np.floor(start + steps * (end - start)).astype(int)
+    return cells[:, 1], cells[:, 0]
+
+
 def _nodes_about(lattice: Lattice, place: np.ndarray, reach: float) -> np.ndarray:
     """Nodes whose centres are within `reach` [cells] of `place`."""
     rows, columns = lattice.node.shape

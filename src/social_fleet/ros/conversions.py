@@ -4,6 +4,7 @@ Schedules carry absolute time once, as the stamp of their header; all else is se
 """
 
 import math
+from dataclasses import replace
 from typing import Any, List, Optional, Sequence, Tuple, Type
 
 import genpy
@@ -185,9 +186,12 @@ def schedule_to_message(schedule: Schedule, frame: str, time_zero: genpy.Time) -
     robot = schedule.robot
     message.robot, message.max_speed, message.radius = robot.name, robot.max_speed, robot.body_radius
     message.path = path_to_message(robot.path.points, robot.goal.yaw, frame, time_zero)
-    message.start_orientation = yaw_to_quaternion(robot.start.yaw)
-    for name in _LIMITS:
+    if robot.start_yaw is not None:
+        message.start_orientation = yaw_to_quaternion(robot.start_yaw)
+    for name in (*_LIMITS, "weight"):
         setattr(message, name, getattr(robot, name))
+    message.any_goal_heading, message.peers = robot.goal_yaw is None, list(schedule.peers)
+    message.under_way, message.committed = robot.committed is not None, robot.committed or 0.0
     message.precedences = precedences_to_messages(schedule.precedences)
     return message
 
@@ -202,8 +206,12 @@ def schedule_from_message(message: ScheduleMessage, frame: str) -> Schedule:
     """Times count from the header's stamp; raises InvalidInput or InvalidSchedule."""
     precedences = tuple(Precedence(item.at, item.other, item.other_at, item.other_version)
                         for item in message.precedences)
-    return Schedule(_robot_from(message, frame, 0.0), np.array(message.arc_lengths), np.array(message.times),
-                    precedences, message.version)
+    robot = replace(_robot_from(message, frame, 0.0), weight=message.weight or 1.0,
+                    committed=message.committed if message.under_way else None)
+    if message.any_goal_heading:
+        robot = replace(robot, goal_yaw=None)
+    return Schedule(robot, np.array(message.arc_lengths), np.array(message.times), precedences, message.version,
+                    tuple(message.peers))
 
 
 def window_to_message(window: EncounterWindow, version: int) -> WindowMessage:

@@ -1,6 +1,6 @@
 """What one simulated robot, and all of them together, say on ROS topics."""
 
-from typing import Any, Callable, Iterable, Sequence
+from typing import Any, Callable, Iterable, Optional, Sequence
 
 import genpy
 import numpy as np
@@ -31,13 +31,13 @@ class RobotTopics:
 
     Attributes
     ----------
-    estimate : Pose
-        What localisation says; the owner keeps it up to date [m, rad, map frame].
+    estimate : Pose, optional
+        What localisation says, None for nothing; the owner keeps it up to date [m, rad, map frame].
     """
 
     def __init__(self, robot: DifferentialDriveRobot, command: Callable[[str, float, float], None]) -> None:
         self.robot = robot
-        self.estimate = robot.pose
+        self.estimate: Optional[Pose] = robot.pose
         self._command = command
         name = robot.name
         self.odom_frame, self.base_frame = f"{name}/odom", f"{name}/base_link"
@@ -62,7 +62,9 @@ class RobotTopics:
         self._odom.publish(message)
 
     def publish_pose(self, stamp: genpy.Time, map_frame: str) -> None:
-        """Where localisation has the robot."""
+        """Where localisation has the robot; nothing while it does not know."""
+        if self.estimate is None:
+            return
         message = PoseWithCovarianceStamped(header=Header(stamp=stamp, frame_id=map_frame))
         message.pose.pose = conversions.pose_to_message(self.estimate)
         covariance = np.zeros((6, 6))
@@ -94,13 +96,15 @@ class FleetTopics:
         self._truth = rospy.Publisher("fleet/ground_truth", PoseArray, queue_size=100)
 
     def publish_transforms(self, stamp: genpy.Time, robots: Iterable[RobotTopics]) -> None:
-        """map -> odom -> base_link of every robot, in one message."""
+        """odom -> base_link of every robot, and map -> odom where it is localised, in one message."""
         transforms = []
         for topics in robots:
             robot = topics.robot
+            transforms.append(_transform(stamp, topics.odom_frame, topics.base_frame, robot.odometry))
+            if topics.estimate is None:
+                continue
             origin = compose(topics.estimate, inverse(robot.odometry))
             transforms.append(_transform(stamp, self.map_frame, topics.odom_frame, origin))
-            transforms.append(_transform(stamp, topics.odom_frame, topics.base_frame, robot.odometry))
         self._tf.publish(TFMessage(transforms))
 
     def publish_truth(self, stamp: genpy.Time, poses: Sequence[Any]) -> None:

@@ -16,6 +16,7 @@ from std_msgs.msg import Float64
 
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import InvalidInput, InvalidParameter
+from social_fleet.geometry import Pose
 from social_fleet.msg import Schedule
 from social_fleet.parameters import from_mapping, parameter
 from social_fleet.ros import conversions, parameters
@@ -37,6 +38,7 @@ class FakeRobotsParameters:
     map_frame: str = "map"
     scenario: str = ""  # a scenario file whose robots, faults and obstacles are simulated beside `robots`
     keep_time: bool = True  # publish /clock; otherwise follow the time of others
+    localise: bool = True  # tell where the robots are in the map; otherwise that is left to AMCL or the like
     real_time_factor: float = parameter(1.0, minimum=0.0)  # simulated over wall time; 0: as fast as trackers answer
     answer_timeout: float = parameter(0.5, above=0.0)  # longest wait for a tracker that answered before [s, wall time]
     clock_rate: float = parameter(10.0, above=0.0)  # of /clock [Hz]: every node pays for it; odometry has every tick
@@ -67,7 +69,8 @@ class FakeRobots:
         ~real_time_factor (std_msgs/Float64): goes before the parameter from now on.
     Publishers
         ROBOT/odom (nav_msgs/Odometry), ROBOT/scan (sensor_msgs/LaserScan),
-        ROBOT/amcl_pose (geometry_msgs/PoseWithCovarianceStamped), tf map -> ROBOT/odom -> ROBOT/base_link,
+        tf ROBOT/odom -> ROBOT/base_link; map -> ROBOT/odom and ROBOT/amcl_pose
+        (geometry_msgs/PoseWithCovarianceStamped) where it localises them,
         /clock when it keeps the time, fleet/ground_truth (geometry_msgs/PoseArray): true poses in the robots' order.
     Parameters
         `FakeRobotsParameters`; those of `SimulationConfig`, see config/fake_robots.yaml; `lidar`, a mapping of those of
@@ -79,12 +82,14 @@ class FakeRobots:
         prefix = parameters.private_prefix()
         robots = _listed(others.pop("robots", {}), prefix)
         lidar = LidarConfig.from_mapping(others.pop("lidar", {}), prefix=f"{prefix}lidar/")
-        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         self._faults: Sequence[Fault] = ()
         self._obstacles: Sequence[CircleObstacle] = ()
         self._time_zero: Optional[float] = None
         if self._config.scenario:
-            robots += self._from_scenario(load_scenario(resolve_path(self._config.scenario)))
+            scenario = load_scenario(resolve_path(self._config.scenario))
+            others = {**others, **scenario.simulation}
+            robots += self._from_scenario(scenario)
+        simulation = SimulationConfig.from_mapping(others, prefix=prefix)
         if not robots:
             raise InvalidParameter("lists no robot; name robots or a scenario file", field=f"{prefix}robots")
         self._world = World(robots, config=simulation)
@@ -162,7 +167,7 @@ class FakeRobots:
             self._clock.publish(Clock(stamp))
         if self._due(self._config.tf_rate):
             for name, topics in self._robots.items():
-                topics.estimate = self._world.localise(name) or topics.estimate  # lost: what it last knew
+                topics.estimate = self._localise(name, stamp) if self._config.localise else None
             self._fleet.publish_transforms(stamp, self._robots.values())
         if self._due(self._config.pose_rate):
             for topics in self._robots.values():
@@ -175,6 +180,20 @@ class FakeRobots:
         self._fleet.publish_truth(stamp, [robot.pose for robot in self._world.robots.values()])
         for topics in self._robots.values():
             topics.publish_odometry(stamp)
+
+    def _localise(self, name: str, stamp: genpy.Time) -> Optional[Pose]:
+        """Where localisation has a robot; None while it does not know."""
+        pose = self._world.localise(name)
+        now = -math.inf if self._time_zero is None else stamp.to_sec() - self._time_zero
+        for fault in self._faults:
+            if pose is None or fault.robot != name or not fault.active(now):
+                continue
+            if fault.kind == "lost":
+                return None
+            if fault.kind == "jump":
+                pose = Pose(pose.x + fault.distance * math.cos(fault.direction),
+                            pose.y + fault.distance * math.sin(fault.direction), pose.yaw)
+        return pose
 
     def _due(self, rate: float) -> bool:
         """Whether something that happens `rate` times a second happens in this tick."""

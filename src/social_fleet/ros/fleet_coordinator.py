@@ -6,18 +6,24 @@ from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Tuple
 
 import genpy
+import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid as GridMessage
 from rospy.numpy_msg import numpy_msg
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
+from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.errors import InvalidScenario
+from social_fleet.execution.recovery.config import RecoveryConfig
+from social_fleet.execution.recovery.replanning import Options
 from social_fleet.msg import EncounterWindow, Progress, Schedule as ScheduleMessage
 from social_fleet.parameters import parameter
 from social_fleet.ros import conversions, parameters
 from social_fleet.ros.admission import check_all_considered, check_clear, check_in_force, next_version
+from social_fleet.ros.diagnostics import Diagnostics
+from social_fleet.ros.fleet_dispatch import FleetDispatch
 from social_fleet.ros.paths import resolve_path
 from social_fleet.ros.planning_fleet import PlanningFleet, read_config
 from social_fleet.ros.repeating_publisher import RepeatingPublisher
@@ -36,29 +42,34 @@ class FleetCoordinatorParameters:
     time_limit: float = parameter(30.0, above=0.0)  # for requests that leave theirs at 0 [s, wall time]
     tracking_tolerance: float = parameter(0.1, minimum=0.0)  # how far a robot may be from its schedule [m]
     start_delay: float = parameter(2.0, minimum=0.0)  # from the answer to time zero, for schedules to arrive [s]
+    replan_time_limit: float = parameter(4.0, above=0.0)  # for schedules of robots under way [s, wall time]
     repair: bool = True  # replan a robot where the given paths admit no schedule; needs the map
     scenario: str = ""  # a scenario file whose `coordination` and `planner` go before the parameters
 
 
 class FleetCoordinator:
-    """Coordinates on request, and keeps every tracker supplied with its schedule.
+    """Coordinates on request; once a navigator has a goal, keeps robots supplied with schedules (`FleetDispatch`).
 
     Subscribers
         fleet/progress (Progress): a robot on an older schedule than its present one is sent that again; one that may
         move must be part of every request.
-        map (nav_msgs/OccupancyGrid): for repairs.
+        map (nav_msgs/OccupancyGrid): for repairs. Those of `FleetDispatch`.
     Publishers
         fleet/schedules (Schedule), fleet/windows (EncounterWindow): sent again to late subscribers.
+        fleet/directives (Directive), /diagnostics.
     Services
         ~coordinate (Coordinate).
     Parameters
-        `FleetCoordinatorParameters`; those of `PlannerConfig`, see config/planner.yaml.
+        `FleetCoordinatorParameters`; those of `PlannerConfig`, see config/planner.yaml; `recovery`, a mapping of those
+        of `RecoveryConfig`, see config/recovery.yaml.
     """
 
     def __init__(self) -> None:
         self._config, others = parameters.split_private(FleetCoordinatorParameters)
         if self._config.scenario:
             self._config = as_scenario(self._config)
+        recovery = RecoveryConfig.from_mapping(others.pop("recovery", {}),
+                                               prefix=f"{parameters.private_prefix()}recovery/")
         self._planner_config, _ = read_config(others, self._config.scenario, parameters.private_prefix())
         self._version = 0
         self._lock = threading.Lock()  # of the map, what is made of it, and progress
@@ -68,10 +79,30 @@ class FleetCoordinator:
         self._coordinating = threading.Lock()
         self._schedules = RepeatingPublisher("fleet/schedules", ScheduleMessage)
         self._windows = RepeatingPublisher("fleet/windows", EncounterWindow)
+        config = self._config
+        self._warm = threading.Event()
+        threading.Thread(target=self._warm_up, daemon=True).start()
+        options = Options(config.time_margin, config.tracking_tolerance, config.replan_time_limit)
+        self._dispatch = FleetDispatch(config.map_frame, recovery, options, self._planner_for,
+                                       ready=self._is_ready, told=self._schedules.publish)
+        self._diagnostics = Diagnostics("fleet", {"exchange of schedules": self._dispatch.diagnose})
+        rospy.Timer(rospy.Duration(0.5), lambda _: self._diagnostics.update(), reset=True)
         rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
-        if self._config.repair:
-            rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
+        rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         self._service = rospy.Service("~coordinate", Coordinate, self._serve)
+
+    def _warm_up(self) -> None:
+        """Compile, or load, what the first coordination would wait for beyond its time limit."""
+        coordinate([Robot("east", np.array([(0.0, 0.0), (6.0, 0.0)]), committed=0.5),
+                    Robot("north", np.array([(3.0, -3.0), (3.0, 3.0)]))])
+        self._warm.set()
+
+    def _is_ready(self) -> bool:
+        """Whether schedules can be made; builds the planner of most robots on the way."""
+        if self._map is None or not self._warm.is_set():
+            return False
+        self._planner_for(self._planner_config.robot_radius)
+        return True
 
     def _hear_map(self, message: GridMessage) -> None:
         """Keep the map; planners are built from it when a repair first needs one."""
@@ -83,7 +114,7 @@ class FleetCoordinator:
         with self._lock:
             self._progress[message.robot] = message
         schedule = self._schedules.last(message.robot)
-        if schedule is not None and message.schedule_version < schedule.version \
+        if not self._dispatch.active and schedule is not None and message.schedule_version < schedule.version \
                 and (message.header.stamp - schedule.header.stamp).to_sec() > 0.0:
             rospy.logwarn_throttle(1.0, "robot %s has not taken up schedule %d; sending it again" % (
                 message.robot, schedule.version))
@@ -108,9 +139,13 @@ class FleetCoordinator:
     def _coordinate(self, request: CoordinateRequest) -> Tuple[FleetSchedule, Optional[genpy.Time]]:
         """Schedules that may come into force, and their time zero; None when nothing is fixed: it is decided then."""
         frame, config = self._config.map_frame, self._config
+        if self._dispatch.active:
+            raise InvalidScenario("robots drive to their navigators' goals; give the others theirs, or start the "
+                                  "coordinator and the trackers anew", field="planning")
         with self._lock:
             progress = list(self._progress.values())
-        check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]])
+        check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]],
+                             self._schedules.last)
         check_in_force(request.fixed, self._schedules.last, rospy.Time.now())
         self._version = next_version([self._version, *(news.schedule_version for news in progress),
                                       *(message.version for message in request.fixed)])

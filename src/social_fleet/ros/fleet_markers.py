@@ -2,7 +2,7 @@
 
 import threading
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Tuple
 
 import numpy as np
 import rospy
@@ -11,7 +11,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from social_fleet.coordination.schedule import EncounterWindow, Schedule
 from social_fleet.errors import InvalidInput
-from social_fleet.msg import EncounterWindow as WindowMessage, PlannedPath, Progress, Schedule as ScheduleMessage
+from social_fleet.msg import (Directive, EncounterWindow as WindowMessage, Obstacle, PlannedPath, Progress,
+                              Schedule as ScheduleMessage, Waiting)
 from social_fleet.parameters import parameter
 from social_fleet.ros import conversions, markers, parameters
 from social_fleet.scenario.pictures.colours import robot_colours
@@ -31,7 +32,8 @@ class FleetMarkers:
 
     Subscribers
         fleet/paths (PlannedPath), fleet/schedules (Schedule), fleet/windows (EncounterWindow),
-        fleet/progress (Progress).
+        fleet/progress (Progress), fleet/following (Schedule): those that were made for robots under way, too;
+        fleet/waiting (Waiting), fleet/directives (Directive): obstacles that the fleet has seen.
     Publishers
         visualization_marker_array (visualization_msgs/MarkerArray).
     Parameters
@@ -46,11 +48,17 @@ class FleetMarkers:
         self._schedules: Dict[str, Schedule] = {}
         self._windows: Dict[Tuple[int, str, str, float, float], EncounterWindow] = {}
         self._progress: Dict[str, Progress] = {}
+        self._waits: Dict[str, Waiting] = {}
+        self._obstacles: List[Obstacle] = []
+        self._shown_obstacles = 0
         self._changed = True  # plans or windows differ from what was last shown
         self._shown_windows = 0
         self._out = rospy.Publisher("visualization_marker_array", MarkerArray, queue_size=2)
         rospy.Subscriber("fleet/paths", PlannedPath, self._hear_path, queue_size=100)
         rospy.Subscriber("fleet/schedules", ScheduleMessage, self._hear_schedule, queue_size=100)
+        rospy.Subscriber("fleet/following", ScheduleMessage, self._hear_schedule, queue_size=100)
+        rospy.Subscriber("fleet/waiting", Waiting, self._hear_waiting, queue_size=100)
+        rospy.Subscriber("fleet/directives", Directive, self._hear_directive, queue_size=10)
         rospy.Subscriber("fleet/windows", WindowMessage, self._hear_window, queue_size=1000)
         rospy.Subscriber("fleet/progress", Progress, self._hear_progress, queue_size=100)
         rospy.Timer(rospy.Duration(1.0 / self._config.rate), self._show)
@@ -73,6 +81,9 @@ class FleetMarkers:
             rospy.logwarn_throttle(10.0, "a schedule is not shown: %s" % error)
             return
         with self._lock:
+            known = self._schedules.get(message.robot)
+            if known is not None and known.version > schedule.version:
+                return
             self._schedules[message.robot] = schedule
             self._plans[message.robot] = schedule.robot.path.points
             self._changed = True
@@ -92,6 +103,14 @@ class FleetMarkers:
     def _hear_progress(self, message: Progress) -> None:
         with self._lock:
             self._progress[message.robot] = message
+
+    def _hear_waiting(self, message: Waiting) -> None:
+        with self._lock:
+            self._waits[message.robot] = message
+
+    def _hear_directive(self, message: Directive) -> None:
+        with self._lock:
+            self._obstacles = message.obstacles
 
     def _number(self, robot: str) -> int:
         return self._numbers.setdefault(robot, len(self._numbers))
@@ -123,25 +142,28 @@ class FleetMarkers:
             return []
         position = (progress.reference.x, progress.reference.y)
         radius = 0.25 if schedule is None else schedule.robot.body_radius
-        label = name
-        if progress.state == Progress.HOLDING and schedule is not None:
-            other = self._holder(schedule, progress)
-            label = f"{name} waits for {other}" if other else name
-        elif progress.state == Progress.STOPPED:
-            label = f"{name} is stopped"
         return [markers.disc_marker(number, position, radius, self._colour(name), frame, stamp),
-                markers.text_marker("names", number, position, label, self._colour(name), self._config.text_height,
-                                    frame, stamp)]
+                markers.text_marker("names", number, position, self._label(name), self._colour(name),
+                                    self._config.text_height, frame, stamp), self._wait(name, position)]
 
-    def _holder(self, schedule: Schedule, progress: Progress) -> Optional[str]:
-        """The robot whose progress a standing one waits for."""
-        for precedence in schedule.precedences:
-            other = self._progress.get(precedence.other)
-            if precedence.at > progress.arc_length - 0.5 and (
-                    other is None or other.schedule_version != precedence.other_version
-                    or other.arc_length < precedence.other_at):
-                return precedence.other
-        return None
+    def _label(self, name: str) -> str:
+        """The name, and what keeps the robot from driving."""
+        wait, progress = self._waits.get(name), self._progress[name]
+        if wait is not None and wait.waits:
+            seconds = max((rospy.Time.now() - wait.header.stamp).to_sec(), 0.0)
+            return f"{name} waits {seconds:.0f} s for {wait.other or 'what is in its way'}"
+        return f"{name} is stopped: {progress.reason}" if progress.state == Progress.STOPPED else name
+
+    def _wait(self, name: str, position: Tuple[float, float]) -> Marker:
+        """A line from a robot that waits to the place that the other has to pass; none where it does not wait."""
+        wait, number, frame = self._waits.get(name), self._number(name), self._config.map_frame
+        other = None if wait is None or not wait.waits else self._schedules.get(wait.other)
+        if wait is None or other is None:
+            return Marker(ns="waits", id=number, action=Marker.DELETE)
+        path = other.robot.path
+        place = path.position(min(max(wait.other_at, 0.0), path.length))
+        return markers.line_marker("waits", number, np.array([position, place]), self._colour(name, 0.9), 0.06, frame,
+                                   rospy.Time.now())
 
     def _lines(self) -> List[Marker]:
         """Plans, and the stretches where robots meet."""
@@ -154,9 +176,20 @@ class FleetMarkers:
             (window.kind, window.robot_s, window.s_enter, window.s_exit)) if stretch[1] in self._schedules]
         shown += [markers.window_marker(number, kind, self._schedules[name].robot.path, enter, leave, frame, stamp)
                   for number, (kind, name, enter, leave) in enumerate(stretches)]
+        shown += self._seen_obstacles()
         gone = range(len(stretches), self._shown_windows)
         shown += [Marker(ns="windows", id=number, action=Marker.DELETE) for number in gone]
         self._shown_windows = len(stretches)
+        return shown
+
+    def _seen_obstacles(self) -> List[Marker]:
+        """Discs for what the map does not hold."""
+        grey, stamp, count = ColorRGBA(0.3, 0.3, 0.3, 0.8), rospy.Time.now(), len(self._obstacles)
+        shown = [markers.disc_marker(number, (item.x, item.y), item.radius, grey, self._config.map_frame, stamp,
+                                     namespace="obstacles") for number, item in enumerate(self._obstacles)]
+        shown += [Marker(ns="obstacles", id=number, action=Marker.DELETE)
+                  for number in range(count, self._shown_obstacles)]
+        self._shown_obstacles = count
         return shown
 
     def _current(self, version: int, window: EncounterWindow) -> bool:

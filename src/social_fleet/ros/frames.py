@@ -32,6 +32,13 @@ class Frames:
         except tf2_ros.TransformException as error:
             raise UnknownFrame(f"tf knows no way from '{self.map_frame}' to '{frame}': {error}") from error
 
+    def between(self, parent: str, frame: str) -> Pose:
+        """The newest pose of `frame` in `parent`; raises UnknownFrame when tf knows none."""
+        try:
+            return pose_from_transform(self._buffer.lookup_transform(parent, frame, rospy.Time()).transform)
+        except tf2_ros.TransformException as error:
+            raise UnknownFrame(f"tf knows no way from '{parent}' to '{frame}': {error}") from error
+
     def await_pose_of(self, frame: str, patience: float) -> Pose:
         """As `pose_of`, giving tf `patience` seconds of wall time to hear of the frame."""
         problem: Optional[UnknownFrame] = None

@@ -1,54 +1,45 @@
-"""One goal for one robot by hand: plan from where it is, coordinate round the robots that stand about, let it drive."""
+"""One goal for one robot by hand, through its navigator; the others may stand or drive."""
 
-import copy
 import time
-from typing import Dict, List
+from typing import Callable, Dict
 
-import numpy as np
+import actionlib
 import rospy
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
-from social_fleet.coordination.robot import Robot
-from social_fleet.coordination.schedule import Schedule
 from social_fleet.errors import InvalidInput, NotReady
 from social_fleet.geometry import Pose
-from social_fleet.msg import PlannedPath, Progress
+from social_fleet.msg import NavigationStatus, Schedule
 from social_fleet.ros import conversions
-from social_fleet.ros.admission import stands_for_good
 from social_fleet.ros.fleet_client import Refused
-from social_fleet.ros.frames import Frames
-from social_fleet.srv import (Coordinate, CoordinateRequest, CoordinateResponse, PlanPath, PlanPathRequest,
-                              PlanPathResponse)
 
-_LISTEN = 1.0  # how long to listen for the fleet before asking [s, wall time]
-_TF_PATIENCE = 2.0  # for tf to tell where a robot is [s, wall time]
+_LOOK = 0.05  # between two looks at what has come of it [s, wall time]
+_GREETING = 5.0  # for a robot's navigator to be heard of [s, wall time]
 
 
 class GoalSender:
-    """Sends a robot to a goal while the others stand.
+    """Sends a robot to a goal, and waits until it is under way.
 
-    Radius and speed of a robot are those that the planner announced last. A robot that nothing was announced of counts
-    as large as the one that is sent: where the fleet is of several sizes, have every robot planned for once before.
-
+    Actions called
+        ROBOT/move_base (move_base_msgs/MoveBaseAction).
     Subscribers
-        fleet/progress (Progress): who is there and who moves; fleet/paths (PlannedPath): radii and speeds; tf.
-    Services called
-        social_planner/plan_path, fleet_coordinator/coordinate.
+        fleet/navigation (NavigationStatus): who is there, and what comes of the goal; fleet/following (Schedule).
+
+    Parameters
+    ----------
+    patience
+        For planner and fleet to make way [s, wall time].
+    frame
+        The map's frame.
     """
 
-    def __init__(self, patience: float = 30.0) -> None:
-        self._patience = patience
-        self._frames = Frames("map")
-        self._progress: Dict[str, Progress] = {}
-        self._paths: Dict[str, PlannedPath] = {}
-        rospy.Subscriber("fleet/progress", Progress, self._on_progress, queue_size=100)
-        rospy.Subscriber("fleet/paths", PlannedPath, self._on_path, queue_size=100)
-        for name in ("social_planner/plan_path", "fleet_coordinator/coordinate"):
-            try:
-                rospy.wait_for_service(name, patience)
-            except rospy.ROSException as error:
-                raise NotReady(f"the service {rospy.resolve_name(name)} has not come up: {error}") from error
-        self._plan = rospy.ServiceProxy("social_planner/plan_path", PlanPath)
-        self._coordinate = rospy.ServiceProxy("fleet_coordinator/coordinate", Coordinate)
+    def __init__(self, patience: float = 90.0, frame: str = "map") -> None:
+        self._patience, self._frame = patience, frame
+        self._states: Dict[str, NavigationStatus] = {}
+        self._schedules: Dict[str, Schedule] = {}
+        rospy.Subscriber("fleet/navigation", NavigationStatus, self._hear_state, queue_size=100)
+        rospy.Subscriber("fleet/following", Schedule, self._hear_schedule, queue_size=100)
 
     def send(self, robot: str, goal: Pose) -> float:
         """Let `robot` drive to `goal` [m, rad, map frame]; seconds that it is scheduled to take.
@@ -56,71 +47,50 @@ class GoalSender:
         Raises
         ------
         InvalidInput
-            There is no such robot, it is under way, or another one may move by an earlier schedule.
+            No navigator of such a robot is there.
         Refused
-            The planner or the coordinator says no; the message is theirs.
+            The goal is given up; the message says why.
         NotReady
-            No news of the fleet.
+            Nobody has answered in time.
         """
-        rospy.rostime.wallsleep(_LISTEN)
-        if robot not in self._progress:
-            known = ", ".join(sorted(self._progress)) or "none at all"
-            raise InvalidInput(f"no tracker reports for robot '{robot}'; there are: {known}")
-        self._check_standing(robot)
-        start = self._frames.await_pose_of(f"{robot}/base_link", _TF_PATIENCE)
-        answer = self._plan(PlanPathRequest(robot=robot, start=conversions.pose_to_stamped(start, "map"),
-                                            goal=conversions.pose_to_stamped(goal, "map")))
-        if answer.status != PlanPathResponse.SUCCESS:
-            raise Refused(f"no path for {robot}: {answer.message}")
-        path = self._planned(robot, start, answer)
-        request = CoordinateRequest(planning=[path], fixed=self._parked(robot, path.radius),
-                                    time_margin=1.0, time_limit=self._patience)
-        schedules = self._coordinate(request)
-        if schedules.status != CoordinateResponse.SUCCESS:
-            raise Refused(f"no schedule for {robot}: {schedules.message}")
-        return float(schedules.schedules[0].times[-1])
+        if not self._await(lambda: robot in self._states, _GREETING):
+            known = ", ".join(sorted(self._states)) or "none at all"
+            raise InvalidInput(f"there is no navigator of robot '{robot}'; there are: {known}")
+        client = actionlib.SimpleActionClient(f"{robot}/move_base", MoveBaseAction)
+        if not client.wait_for_server(rospy.Duration.from_sec(self._patience)):
+            raise NotReady(f"the action {rospy.resolve_name(robot)}/move_base does not answer")
+        former = self._states[robot].number
+        client.send_goal(MoveBaseGoal(conversions.pose_to_stamped(goal, self._frame, rospy.Time.now())))
+        self._await(lambda: _is_over(client) or self._drives(robot, former), self._patience)
+        if self._drives(robot, former):
+            schedule = self._schedules[robot]
+            return float((schedule.header.stamp - rospy.Time.now()).to_sec() + schedule.times[-1])
+        if client.get_state() == GoalStatus.SUCCEEDED:
+            return 0.0
+        if _is_over(client):
+            raise Refused(f"{robot} does not go there: {client.get_goal_status_text()}")
+        state = self._states[robot]
+        raise NotReady(f"{robot} has not set off within {self._patience:g} s: {state.reason or 'nobody says why'}")
 
-    def _check_standing(self, robot: str) -> None:
-        """Refuse while anybody moves or may start to; only `robot` itself may be one that stopped on its way."""
-        moving = sorted(name for name, news in self._progress.items() if not stands_for_good(news)
-                        and not (name == robot and news.state == Progress.STOPPED))
-        if moving:
-            what = ", ".join(f"{name} ({_state(self._progress[name])})" for name in moving)
-            raise InvalidInput(f"{what} may move by an earlier schedule; wait until it has arrived, or send it first "
-                               "where it is stopped")
+    def _drives(self, robot: str, former: int) -> bool:
+        state, schedule = self._states[robot], self._schedules.get(robot)
+        return (state.number > former and state.state == NavigationStatus.DRIVING and schedule is not None
+                and schedule.version >= state.schedule_version)
 
-    def _planned(self, robot: str, start: Pose, answer: PlanPathResponse) -> PlannedPath:
-        """The path that was asked for, with the size and speed that the planner announces for the robot."""
-        deadline = time.monotonic() + self._patience
-        while robot not in self._paths:
-            if time.monotonic() > deadline:
-                raise NotReady(f"the planner did not announce the path of {robot} on fleet/paths")
-            rospy.rostime.wallsleep(0.02)
-        message = copy.copy(self._paths[robot])
-        message.header, message.path, message.temporary = answer.path.header, answer.path, answer.temporary
-        message.start_orientation = conversions.yaw_to_quaternion(start.yaw)
-        return message
+    @staticmethod
+    def _await(condition: Callable[[], bool], patience: float) -> bool:
+        """Whether the condition came true in time."""
+        deadline = time.monotonic() + patience
+        while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
+            rospy.rostime.wallsleep(_LOOK)
+        return condition()
 
-    def _parked(self, robot: str, radius: float) -> List:
-        """The others as schedules that stand still."""
-        now = rospy.Time.now()
-        parked = []
-        for name in sorted(set(self._progress) - {robot}):
-            pose = self._frames.await_pose_of(f"{name}/base_link", _TF_PATIENCE)
-            size = self._paths[name].radius if name in self._paths else radius
-            body = Robot(name, np.array([[pose.x, pose.y]]), radius=size, start_yaw=pose.yaw, goal_yaw=pose.yaw)
-            still = Schedule(body, np.zeros(1), np.zeros(1), version=self._progress[name].schedule_version)
-            parked.append(conversions.schedule_to_message(still, "map", now))
-        return parked
+    def _hear_state(self, message: NavigationStatus) -> None:
+        self._states[message.robot] = message
 
-    def _on_progress(self, message: Progress) -> None:
-        self._progress[message.robot] = message
-
-    def _on_path(self, message: PlannedPath) -> None:
-        self._paths[message.robot] = message
+    def _hear_schedule(self, message: Schedule) -> None:
+        self._schedules[message.robot] = message
 
 
-def _state(news: Progress) -> str:
-    """The state's name, as the message has it."""
-    names = {getattr(Progress, name): name.lower() for name in dir(Progress) if name.isupper()}
-    return names.get(news.state, str(news.state))
+def _is_over(client: actionlib.SimpleActionClient) -> bool:
+    return client.get_state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE)

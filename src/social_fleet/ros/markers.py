@@ -37,9 +37,9 @@ def marker(kind: int, namespace: str, number: int, frame: str, stamp: genpy.Time
 
 
 def disc_marker(number: int, position: Sequence[float], radius: float, colour: ColorRGBA, frame: str,
-                stamp: genpy.Time) -> Marker:
-    """A robot's body to scale."""
-    result = marker(Marker.CYLINDER, "robots", number, frame, stamp, colour=colour,
+                stamp: genpy.Time, *, namespace: str = "robots") -> Marker:
+    """A robot's body to scale, or an obstacle's."""
+    result = marker(Marker.CYLINDER, namespace, number, frame, stamp, colour=colour,
                     scale=(2.0 * radius, 2.0 * radius, HEIGHT), pose=Pose(float(position[0]), float(position[1])))
     result.pose.position.z = 0.5 * HEIGHT
     return result

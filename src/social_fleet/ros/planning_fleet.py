@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.errors import InvalidGraph, InvalidParameter
+from social_fleet.errors import InvalidGraph, InvalidParameter, InvalidStart
 from social_fleet.geometry import Polyline, Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.parameters import from_mapping, parameter
@@ -137,14 +137,35 @@ class PlanningFleet:
         """How many paths were counted, detours not among them."""
         return self._routes.counted
 
+    def reconfigure(self, config: PlannerConfig) -> None:
+        """Plan with other parameters from now on; the obstacles, the graph and what was counted for it stay."""
+        planner = SocialPlanner(self.grid, config, graph=self.graph, zones=self._zones)
+        with self._lock:
+            self._config = config
+            self._planners = {config.robot_radius: planner}
+        self._routes.use(planner)
+        if planner.graph is not self.graph:  # learnt meanwhile
+            planner.graph = self.graph
+
     def prepare(self) -> None:
         """Make plans for robots of the configured radius fast; planning goes on meanwhile, as before."""
         self.planner(self._config.robot_radius).prepare()
 
-    def plan(self, radius: float, start: Pose, goal: Pose, *, avoid: Sequence[Disc] = (),
-             tolerance: float = 0.0) -> Plan:
-        """A plan round the obstacles, for a robot of `radius` [m]; see `SocialPlanner.plan`."""
-        return self.planner(radius).plan(start, goal, avoid=avoid, overlays=self.overlays, tolerance=tolerance)
+    def plan(self, radius: float, start: Pose, goal: Pose, *, robot: str = "", avoid: Sequence[Disc] = (),
+             tolerance: float = 0.0, start_tolerance: float = 0.0) -> Plan:
+        """A plan round the obstacles that concern `robot`, whose radius is `radius` [m]; see `SocialPlanner.plan`.
+
+        From a start where the robot does not fit, it leads straight to a place within `start_tolerance` [m] where it
+        does; where there is none, InvalidStart.
+        """
+        planner, overlays = self.planner(radius), self.overlays.of(robot)
+        try:
+            return planner.plan(start, goal, avoid=avoid, overlays=overlays, tolerance=tolerance)
+        except InvalidStart:
+            place = planner.departure(start, start_tolerance, avoid=avoid, overlays=overlays)
+            if place is None:
+                raise
+        return _led_from(start, planner.plan(place, goal, avoid=avoid, overlays=overlays, tolerance=tolerance))
 
     def count(self, plan: Plan) -> None:
         """Learn from a plan made here."""
@@ -218,3 +239,12 @@ class PlanningFleet:
         log.warning("%s was learnt on another map: %d of its edges still hold on this one, %d are dropped", what,
                     result.kept, result.dropped)
         return result.graph if result.kept else None
+
+
+def _led_from(start: Pose, plan: Plan) -> Plan:
+    """The plan with the straight way from `start` to its beginning before it."""
+    points = np.vstack([[start[:2]], plan.points])
+    gap = float(np.hypot(*(points[1] - points[0])))
+    note = f"the robot does not fit at its start; the path leads {gap:.2f} m straight to where it does"
+    return replace(plan, points=points, length=plan.length + gap, cost=plan.cost + gap, start_yaw=start.yaw,
+                   message="; ".join(text for text in (note, plan.message) if text))

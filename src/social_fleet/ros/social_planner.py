@@ -14,6 +14,7 @@ from social_fleet.errors import InvalidGoal, InvalidInput, InvalidOverlay, Inval
 from social_fleet.geometry import Pose
 from social_fleet.msg import PlannedPath
 from social_fleet.parameters import parameter
+from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.plan import Plan
 from social_fleet.ros import conversions, parameters
@@ -21,6 +22,7 @@ from social_fleet.ros.background import BackgroundWork
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.markers import graph_marker
 from social_fleet.ros.planning_fleet import PlanningFleet, RobotEntry, read_config, read_zones
+from social_fleet.ros.reconfigure import PlannerReconfigure
 from social_fleet.ros.statuses import OVERLAY_STATUSES, PLAN_STATUSES, status_of
 from social_fleet.srv import (AddOverlay, AddOverlayRequest, AddOverlayResponse, ClearOverlay, ClearOverlayRequest,
                               ClearOverlayResponse, PlanPath, PlanPathRequest, PlanPathResponse)
@@ -51,10 +53,11 @@ class SocialPlannerNode:
     Publishers
         ~plan (nav_msgs/Path): the last plan.
         ~social_graph (visualization_msgs/Marker), latched.
-        fleet/paths (PlannedPath): every plan for a robot that the request names.
+        fleet/paths (PlannedPath): every plan for a robot that the request names, unless that is an inquiry.
     Services
         ~plan_path (PlanPath), ~make_plan (nav_msgs/GetPlan).
         ~add_overlay (AddOverlay), ~clear_overlay (ClearOverlay): obstacles that the map does not hold.
+        ~set_parameters (dynamic_reconfigure/Reconfigure): weights and other parameters, for all plans from then on.
     Parameters
         `SocialPlannerParameters`; those of `PlannerConfig`, see config/planner.yaml; `robots`, a mapping of names to
         {radius, max_speed} for robots that differ from `robot_radius` and `max_speed`.
@@ -84,6 +87,7 @@ class SocialPlannerNode:
                           rospy.Service("~make_plan", GetPlan, self._serve_make_plan),
                           rospy.Service("~add_overlay", AddOverlay, self._serve_add_overlay),
                           rospy.Service("~clear_overlay", ClearOverlay, self._serve_clear_overlay)]
+        self._reconfigure = PlannerReconfigure(self._planner_config, self._use_config)
         self._timer = rospy.Timer(rospy.Duration(EXPIRY_PERIOD), self._expire, reset=True)
 
     def _hear_map(self, message: GridMessage) -> None:
@@ -108,6 +112,15 @@ class SocialPlannerNode:
         self._preparer.request()
         rospy.loginfo("ready to plan on a map of %d x %d cells of %g m", grid.shape[1], grid.shape[0],
                       grid.resolution)
+
+    def _use_config(self, config: PlannerConfig) -> None:
+        """Plan with other parameters from now on."""
+        with self._lock:
+            self._planner_config = config
+            self._any_robot = RobotEntry(config.robot_radius, self._config.max_speed)
+            if self._fleet is not None:
+                self._fleet.reconfigure(config)
+        self._preparer.request()
 
     def _prepare(self) -> None:
         fleet = self._fleet
@@ -139,7 +152,7 @@ class SocialPlannerNode:
             return PlanPathResponse(status=status, message=str(error) or type(error).__name__)
         return PlanPathResponse(status=PlanPathResponse.SUCCESS, message=plan.message, path=message.path,
                                 length=plan.length, social_cost=plan.social_cost, planning_time=plan.search_time,
-                                temporary=plan.temporary)
+                                temporary=plan.temporary, radius=message.radius, max_speed=message.max_speed)
 
     def _serve_make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
         """GetPlan has no field for a reason: the log has it."""
@@ -154,7 +167,7 @@ class SocialPlannerNode:
             with self._lock:
                 fleet = self._ready_fleet()
                 shape = conversions.shape_from_request(request, self._frame, fleet.grid)
-                fleet.overlays.add(request.name, shape, expires=_expiry(request.lifetime))
+                fleet.overlays.add(request.name, shape, expires=_expiry(request.lifetime), robot=request.robot)
         except Exception as error:
             rospy.logwarn("the obstacle '%s' is not taken: %s", request.name, error)
             return AddOverlayResponse(status=status_of(error, OVERLAY_STATUSES),
@@ -192,11 +205,12 @@ class SocialPlannerNode:
         goal = conversions.pose_from_stamped(request.goal, self._frame, "goal", InvalidGoal)
         start = self._start(request)
         robot = self._robots.get(request.robot, self._any_robot)
-        plan = fleet.plan(robot.radius, start, goal, avoid=avoid, tolerance=request.tolerance)
+        plan = fleet.plan(robot.radius, start, goal, robot=request.robot, avoid=avoid, tolerance=request.tolerance,
+                          start_tolerance=request.start_tolerance)
         message = conversions.plan_to_planned_path(plan, request.robot, robot.max_speed, self._frame,
                                                    rospy.Time.now())
         self._plan.publish(message.path)
-        if request.robot:
+        if request.robot and not request.inquiry:
             self._paths.publish(message)
             fleet.count(plan)
             self._learn_in_time(fleet)

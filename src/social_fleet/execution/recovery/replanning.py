@@ -8,7 +8,7 @@ from typing import Callable, Dict, Mapping, Optional, Tuple
 import numpy as np
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import Schedule
 from social_fleet.errors import Infeasible, SocialFleetError

@@ -2,7 +2,7 @@
 
 import math
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Dict, Mapping, Optional, Sequence, Tuple, Union
 
 from social_fleet.errors import InvalidOverlay
@@ -25,12 +25,15 @@ class Overlay:
         Time [s] from which it counts as gone; None: never by itself.
     permanent : bool
         Plans near it are no detours: routes round it are learnt like any others.
+    robot : str
+        Only this robot's plans go round it; empty: everybody's.
     """
 
     name: str
     shape: Shape
-    expires: Optional[float] = None
+    expires: Optional[float] = field(default=None, compare=False)
     permanent: bool = False
+    robot: str = ""
 
 
 class OverlaySet:
@@ -66,7 +69,11 @@ class OverlaySet:
         """The obstacle `name`, None when there is none."""
         return self._by_name.get(name)
 
-    def add(self, name: str, shape: Shape, *, expires: Optional[float] = None) -> None:
+    def of(self, robot: str) -> Tuple[Overlay, ...]:
+        """Those of `all` that plans of `robot` go round."""
+        return tuple(overlay for overlay in self._all if overlay.robot in ("", robot))
+
+    def add(self, name: str, shape: Shape, *, expires: Optional[float] = None, robot: str = "") -> None:
         """Put an obstacle there; it takes the place of one with the same name.
 
         The same shape again means a longer life: what is permanent stays so.
@@ -83,8 +90,8 @@ class OverlaySet:
         rasterised(self.grid, shape)
         with self._lock:
             known = self._by_name.get(name)
-            if known is None or known.shape != shape:
-                self._put(Overlay(name, shape, expires), changed=True)
+            if known is None or (known.shape, known.robot) != (shape, robot):
+                self._put(Overlay(name, shape, expires, robot=robot), changed=True)
             elif not known.permanent:
                 self._put(replace(known, expires=expires), changed=False)
 
@@ -147,8 +154,8 @@ class OverlaySet:
         self.version += changed
 
 
-Overlays = Union[OverlaySet, Mapping[str, Shape], Sequence[Shape]]
-"""What a planner takes as obstacles: a set, shapes by name, or just shapes."""
+Overlays = Union[OverlaySet, Mapping[str, Shape], Sequence[Union[Overlay, Shape]]]
+"""What a planner takes as obstacles: a set, some of a set, shapes by name, or just shapes."""
 
 
 def as_overlays(given: Overlays) -> Tuple[Overlay, ...]:
@@ -157,4 +164,5 @@ def as_overlays(given: Overlays) -> Tuple[Overlay, ...]:
         return given.all
     if isinstance(given, Mapping):
         return tuple(Overlay(name, shape) for name, shape in given.items())
-    return tuple(Overlay(f"obstacle {number}", shape) for number, shape in enumerate(given, start=1))
+    return tuple(item if isinstance(item, Overlay) else Overlay(f"obstacle {number}", item)
+                 for number, item in enumerate(given, start=1))

@@ -65,6 +65,10 @@ class FleetRoutes:
         """How many plans were added, detours not among them."""
         return self._counted
 
+    def use(self, planner: SocialPlanner) -> None:
+        """Go by the parameters of another planner on the same map from now on; what was counted stays."""
+        self._planner = planner
+
     def add(self, plan: Plan) -> None:
         """Count one plan of the fleet; takes less than a millisecond."""
         self.add_path(plan.cells, temporary=plan.temporary, obstacles=plan.obstacles)
