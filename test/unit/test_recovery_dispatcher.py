@@ -12,7 +12,7 @@ from social_fleet.coordination.schedule import Precedence, Schedule
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.dispatcher import Dispatcher
 from social_fleet.execution.recovery.messages import Directive, Errand, Report
-from social_fleet.execution.recovery.replanning import Replanning
+from social_fleet.execution.recovery.replanning import Options, Replanning
 from social_fleet.execution.state import ProgressState
 from social_fleet.geometry import Pose
 from social_fleet.planning.config import PlannerConfig
@@ -39,7 +39,7 @@ class Fleet:
     """Reports as the test wants them, and a dispatcher that hears them."""
 
     def __init__(self) -> None:
-        self.dispatcher = Dispatcher(Replanning(lambda radius: PLANNER), CONFIG)
+        self.dispatcher = Dispatcher(Replanning(lambda radius: PLANNER, Options(time_limit=600.0)), CONFIG)
         self.reports: Dict[str, Report] = {
             name: Report(name, 0, 0.0, version=1, state=ProgressState.DRIVING, pose=Pose(1.0, y),
                          schedule=SCHEDULES[name],

@@ -22,6 +22,7 @@ from social_fleet.simulation.faults import DISPATCHER, Fault
 from social_fleet.simulation.network import Network
 from social_fleet.simulation.world import World
 
+_TIME_LIMIT = 600.0  # of a plan, in wall time: so long that a run never depends on how fast the machine is [s]
 _THINKING = 0.5  # what a plan of the fleet takes, in simulated time [s]
 _DISPATCH = 0.1  # period of the dispatcher [s]
 
@@ -66,7 +67,7 @@ class FleetRun:
                            faults=scenario.faults, config=config)
         self._network = Network(scenario.network)
         self._replanning = Replanning(planners.for_radius, Options(
-            time_margin=scenario.coordination.time_margin,
+            time_limit=_TIME_LIMIT, time_margin=scenario.coordination.time_margin,
             tracking_tolerance=scenario.coordination.tracking_tolerance))
         self._bodies = {schedule.name: Body(schedule.robot.body_radius, schedule.robot.limits, schedule.robot.weight)
                         for schedule in fleet.schedules}
