@@ -173,6 +173,15 @@ def test_numbers_grow_beyond_all_that_was_ever_said() -> None:
     assert asked is not None and asked.exchange == 42
 
 
+def test_a_number_that_an_ended_dispatcher_has_used_is_left_to_it() -> None:
+    fleet = Fleet()
+    fleet.pass_time(3.0, gold={"errand": Errand(2, (14.0, 6.5))})
+    asked = fleet.pass_time(1.0, green={"version": 2})
+    assert asked is not None and asked.exchange == 3 and not asked.assignments
+    asked = fleet.pass_time(1.0, gold={**fleet.promise("gold"), "promised_to": 9}, green=fleet.promise("green"))
+    assert asked is not None and not asked.assignments
+
+
 def test_older_reports_are_passed_over() -> None:
     fleet = Fleet()
     fleet.pass_time(3.0)

@@ -127,6 +127,27 @@ def test_what_is_not_meant_for_it_now_is_not_taken_up(change: str) -> None:
     assert gold.drive(20.0).report.bound < 10.0
 
 
+def test_a_promise_is_given_to_one_dispatcher_only() -> None:
+    """One that started anew may use the same number; what the one before had made is not taken up then."""
+    gold = Driven(straight()).drive(5.0)
+    gold.say(exchange=2)
+    old = onward(gold.drive(PERIOD).report, 2)
+    gold.member.hear(Directive(gold.now, {"gold": gold.now}, 2, dispatcher=1))
+    report = gold.drive(PERIOD).report
+    assert (report.exchange, report.promised_to) == (2, 1) and report.bound < 10.0
+    assert gold.say(given=old, exchange=2) is None and gold.report.version == 1
+    new = replace(onward(report, 2), dispatcher=1)
+    assert gold.member.hear(Directive(gold.now, {"gold": gold.now}, 2, {"gold": new}, dispatcher=1)) is new
+
+
+def test_a_dispatcher_that_has_ended_asks_for_nothing_any_more() -> None:
+    gold = Driven(straight()).drive(1.0)
+    gold.member.hear(Directive(gold.now, {"gold": gold.now}, 2, dispatcher=1))
+    assert gold.drive(PERIOD).report.exchange == 2
+    gold.say(exchange=7)
+    assert gold.drive(1.0).report.exchange == 2
+
+
 def test_a_second_exchange_asks_for_no_more_than_was_promised() -> None:
     gold = Driven(straight()).drive(5.0)
     gold.say(exchange=2)

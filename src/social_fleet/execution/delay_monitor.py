@@ -23,6 +23,8 @@ class DelayMonitor:
 
     Attributes
     ----------
+    schedule : Schedule
+        The one that it compares with.
     delay : float
         At the last update [s]; negative when the robot is ahead.
     is_late : bool

@@ -20,7 +20,7 @@ from social_fleet.errors import InvalidInput, InvalidMessage
 from social_fleet.files import plain
 from social_fleet.fleet.messages import Announcement, Findings, Message, PairWindows, Verdict, digest
 
-FORMAT = 1
+FORMAT = 2
 """Version of the format; robots of different versions do not understand each other, and say so."""
 
 _MAGIC = b"SFLT"

@@ -74,7 +74,8 @@ class FleetRun:
         self.errands: Dict[str, Errand] = {spec.name: Errand(1, tuple(spec.goal)) for spec in scenario.robots}
         self.agents: Dict[str, Agent] = {}
         self._sessions = {name: 0 for name in self.names}
-        self.dispatcher: Optional[Dispatcher] = Dispatcher(self._replanning, recovery)
+        self._dispatcher_session = 1
+        self.dispatcher: Optional[Dispatcher] = Dispatcher(self._replanning, recovery, session=1)
         self.decisions: List[str] = []
         self.replans: Dict[str, int] = {}
         self._counted: Tuple[Optional[Dispatcher], int, Dict[str, int]] = (None, 0, {})
@@ -161,7 +162,8 @@ class FleetRun:
             self.dispatcher = None
             self._outbox.clear()
         elif self.dispatcher is None:
-            self.dispatcher = Dispatcher(self._replanning, self.recovery)
+            self._dispatcher_session += 1
+            self.dispatcher = Dispatcher(self._replanning, self.recovery, session=self._dispatcher_session)
         while self._pending and self._pending[0].at <= now:
             fault = self._pending.pop(0)
             self.errands[fault.robot] = Errand(self.errands[fault.robot].number + 1, tuple(fault.goal))

@@ -5,6 +5,7 @@ It keeps nothing that a robot's report does not tell: started anew, it goes on. 
 
 import logging
 import math
+from dataclasses import replace
 from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
 from social_fleet.execution.recovery.charge import Charge
@@ -34,6 +35,8 @@ class Dispatcher:
         Makes schedules.
     config : RecoveryConfig
         Times.
+    session : int
+        Greater than any that a dispatcher of this fleet has had: the time of its start will do.
 
     Attributes
     ----------
@@ -47,8 +50,9 @@ class Dispatcher:
         By robot, how often it was fitted in anew.
     """
 
-    def __init__(self, replanning: Replanning, config: RecoveryConfig = RecoveryConfig()) -> None:
+    def __init__(self, replanning: Replanning, config: RecoveryConfig = RecoveryConfig(), *, session: int = 0) -> None:
         self.config = config
+        self.session = session
         self.exchanges = 0
         self.decisions: List[str] = []
         self.replans: Dict[str, int] = {}
@@ -90,7 +94,8 @@ class Dispatcher:
             return None
         self._said = now
         return Directive(now, {name: charge.report.stamp for name, charge in self._charges.items()}, self._exchange,
-                         dict(self.assignments), self._sightings.obstacles, tuple(sorted(self._missing)))
+                         dict(self.assignments), self._sightings.obstacles, tuple(sorted(self._missing)),
+                         self.session)
 
     @property
     def _missing(self) -> Set[str]:
@@ -178,7 +183,12 @@ class Dispatcher:
         """Plan once all that are heard of have promised."""
         assert self._need is not None
         live = self._live(now)
-        if any(charge.report.exchange != self._exchange for charge in live):
+        if any(max(charge.report.version, charge.report.exchange) > self._exchange
+               or charge.report.version == self._exchange for charge in live):
+            self._open(self._need)  # another dispatcher, one that has ended, has used the number
+            return
+        if any((charge.report.exchange, charge.report.promised_to) != (self._exchange, self.session)
+               for charge in live):
             return
         if any(charge.report.version and charge.schedule is None for charge in live):
             return  # nobody has said yet what it follows
@@ -191,7 +201,8 @@ class Dispatcher:
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
             doubtful=self._sightings.doubtful(now), silent=self._silent,
             give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
-        self.assignments = self._replanning.assignments(request)
+        self.assignments = {name: replace(given, dispatcher=self.session)
+                            for name, given in self._replanning.assignments(request).items()}
         for charge in live:
             charge.give(self.assignments[charge.name], now, anew=charge.name in need.robots,
                         circumstances=(self._sightings.version, self._silent, self._standing))

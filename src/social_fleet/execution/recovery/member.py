@@ -66,7 +66,8 @@ class Member:
         self.lapsed = False
         self.exchange = 0
         self._standing = False  # it has promised not to move at all
-        self._asked = 0
+        self._promised_to = 0
+        self._asked = 0, 0  # exchange and session of the dispatcher that asks
         self._acknowledged = -math.inf
         self.others: Dict[str, Report] = {}
         self._heard: Dict[str, ReportedProgress] = {}
@@ -84,10 +85,13 @@ class Member:
     def hear(self, directive: Directive) -> Optional[Assignment]:
         """Take in what the dispatcher says; the assignment that is taken up with it, if any."""
         self._acknowledged = max(self._acknowledged, directive.heard.get(self.name, -math.inf))
-        self._asked = max(self._asked, directive.exchange)
+        if directive.dispatcher >= self._asked[1]:  # of one that has ended nothing is to be expected
+            later = directive.dispatcher > self._asked[1]
+            self._asked = (directive.exchange if later else max(self._asked[0], directive.exchange),
+                           directive.dispatcher)
         given = directive.assignments.get(self.name)
-        if (given is None or given.session != self.session or given.schedule.version != self.exchange
-                or given.schedule.version <= self.version):
+        if (given is None or given.session != self.session or given.dispatcher != self._promised_to
+                or given.schedule.version != self.exchange or given.schedule.version <= self.version):
             return None
         if self.tracker.schedule is None or self.astray:
             self.tracker.follow(given.schedule)
@@ -130,7 +134,8 @@ class Member:
         command = self.tracker.step(now, pose, self._heard, pose_stamp=pose_stamp, horizon=min(horizon, self.bound),
                                     ahead=ahead, halt=_WAITS if self._standing else "")
         self._watch(now, min(horizon - self.tracker.progress, ahead), command)
-        if self._asked > self.exchange:
+        if self._asked[0] > self.exchange or (self._asked[0] == self.exchange > 0
+                                              and self._asked[1] > self._promised_to):
             self._promise()
         return command
 
@@ -143,7 +148,7 @@ class Member:
             return
         else:
             self._standing = True
-        self.exchange = self._asked
+        self.exchange, self._promised_to = self._asked
 
     def _watch(self, now: float, room: float, command: Command) -> None:
         """For how long the robot has been astray, and blocked: until it has got away from there."""
@@ -185,4 +190,4 @@ class Member:
         return Report(self.name, self.session, now, self.body, self.version, tracker.progress, tracker.command.speed,
                       tracker.state, self._pose, self.exchange, self.bound, self.lapsed, self.astray, self.errand,
                       serving, unserved, final, dict(self.obstacles), self.cleared, self.blocked, tracker.waiting_for,
-                      tracker.schedule)
+                      tracker.schedule, self._promised_to)

@@ -48,6 +48,8 @@ class Report:
         Where it is [m, rad, map frame]; None when it does not know.
     exchange : int
         The latest exchange of schedules that it has given a promise for; 0: none.
+    promised_to : int
+        Session of the dispatcher that asked for that promise.
     bound : float
         Its promise: the arc length that it does not pass before it gets a later schedule [m]; infinite without one.
     lapsed : bool
@@ -96,6 +98,7 @@ class Report:
     blocked: float = 0.0
     waiting_for: Optional[Waiting] = None
     schedule: Optional[Schedule] = None
+    promised_to: int = 0
 
     @property
     def age(self) -> Tuple[int, float]:
@@ -123,6 +126,8 @@ class Assignment:
         With a reason: there is no use in waiting.
     temporary : bool
         The path is a detour round an obstacle that is not in the map.
+    dispatcher : int
+        Session of the dispatcher that made it; a robot that has promised to another does not take it up.
     """
 
     session: int
@@ -132,6 +137,7 @@ class Assignment:
     reason: str = ""
     final: bool = False
     temporary: bool = False
+    dispatcher: int = 0
 
 
 @dataclass(frozen=True)
@@ -153,6 +159,8 @@ class Directive:
     missing : tuple of str
         Robots that schedules name and that were never heard of, since the dispatcher started anew: who has heard of
         one passes on its latest report.
+    dispatcher : int
+        Differs whenever the dispatcher has started anew; later ones are greater.
     """
 
     stamp: float
@@ -161,3 +169,4 @@ class Directive:
     assignments: Mapping[str, Assignment] = field(default_factory=dict)
     obstacles: Mapping[str, DiscObstacle] = field(default_factory=dict)
     missing: Tuple[str, ...] = ()
+    dispatcher: int = 0
