@@ -217,6 +217,14 @@ def test_older_reports_are_passed_over() -> None:
     assert gold.member.others["blue"].version == 4
 
 
+def test_a_pose_that_jumped_is_not_told() -> None:
+    gold = Driven(straight()).drive(3.0)
+    place = gold.pose
+    gold.pose = Pose(9.0, 5.0, 0.0)
+    told = gold.drive(2.0).report.pose
+    assert told is not None and abs(told.x - place.x) < 0.1 and told.y == 0.0
+
+
 def test_what_it_last_heard_of_a_missing_robot_is_passed_on() -> None:
     gold = Driven(straight())
     gold.member.hear_report(Report("blue", 0, 3.0))

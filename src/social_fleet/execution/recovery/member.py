@@ -127,12 +127,14 @@ class Member:
         ahead : float
             How far the lidar leaves it free to drive straight on [m].
         """
-        self._now, self._pose = now, pose
+        self._now = now
         if not self.lapsed and now - self._acknowledged > self.config.lapse and self.version:
             self.lapsed = True
             self.bound = min(self.bound, self.tracker.stopping_arc_length())
         command = self.tracker.step(now, pose, self._heard, pose_stamp=pose_stamp, horizon=min(horizon, self.bound),
                                     ahead=ahead, halt=_WAITS if self._standing else "")
+        if self.tracker.pose_believed:
+            self._pose = pose
         self._watch(now, min(horizon - self.tracker.progress, ahead), command)
         if self._asked[0] > self.exchange or (self._asked[0] == self.exchange > 0
                                               and self._asked[1] > self._promised_to):

@@ -45,7 +45,7 @@ class Report:
     arc_length, speed : float
         Measured progress along that schedule's path [m], and speed [m/s].
     pose : Pose, optional
-        Where it is [m, rad, map frame]; None when it does not know.
+        Where it last knew itself to be, jumps left out [m, rad, map frame]; None when it never did.
     exchange : int
         The latest exchange of schedules that it has given a promise for; 0: none.
     promised_to : int
