@@ -27,7 +27,8 @@ SCHEDULE = Schedule(ROBOT, np.array([0.0, 3.0, 7.0]), np.array([-2.5, 4.0, 15.12
                     (Precedence(2.0, "blue", 3.5, 1700000000),), 1700000001, ("blue", "red"))
 REPORT = Report("gold", 1700000000123, 3.5, Body(0.3, MotionLimits(0.5, 0.4, 1.1, 2.2), 2.0), 1700000001, 1.5, 0.25,
                 ProgressState.HOLDING, Pose(1.5, 0.01, 0.5), 1700000002, math.inf, True, False, Errand(8, (4.0, 3.0)),
-                7, "no way", True, {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("b",), 2.5, Waiting("blue", 2.0, 3.5, 1.0))
+                7, "no way", True, {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("b",), 2.5, Waiting("blue", 2.0, 3.5, 1.0),
+                promised_to=7)
 
 
 def same(one: Schedule, other: Schedule) -> None:
@@ -78,13 +79,14 @@ def test_progress_tells_gates_what_they_need() -> None:
 
 
 def test_a_directive_comes_back() -> None:
-    assignment = Assignment(9, SCHEDULE, 0.75, 8, "no way", True, True)
+    assignment = Assignment(9, SCHEDULE, 0.75, 8, "no way", True, True, 9)
     directive = Directive(5.0, {"gold": 4.5, "blue": 4.0}, 12, {"gold": assignment},
-                          {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("red",))
+                          {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("red",), 9)
     message = conversions.directive_to_message(directive, "map", CLOCK)
     result = conversions.directive_from_message(message, "map", CLOCK)
     assert result.heard == pytest.approx(dict(directive.heard))
-    assert (result.exchange, result.obstacles, result.missing) == (12, directive.obstacles, ("red",))
+    assert (result.exchange, result.obstacles, result.missing, result.dispatcher) == (
+        12, directive.obstacles, ("red",), 9)
     same(SCHEDULE, result.assignments["gold"].schedule)
     assert replace(result.assignments["gold"], schedule=SCHEDULE) == assignment
     assert not conversions.directive_from_message(message, "map", CLOCK, only="blue").assignments

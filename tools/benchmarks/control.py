@@ -54,12 +54,12 @@ def run(say: Callable[[str], None]) -> bool:
 
 def _processor_time() -> Dict[str, float]:
     """Processor seconds so far of the nodes on this ROS master, by executable."""
-    mark = f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']}".encode()
+    mark = f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI'].rstrip('/')}".encode()
     spent: Dict[str, float] = {}
     for process in filter(str.isdigit, os.listdir("/proc")):
         try:
             with open(f"/proc/{process}/environ", "rb") as stream:
-                ours = mark in stream.read().split(b"\0")
+                ours = mark in (entry.rstrip(b"/") for entry in stream.read().split(b"\0"))
             with open(f"/proc/{process}/cmdline", "rb") as stream:
                 words = stream.read().decode().split("\0")
             with open(f"/proc/{process}/stat", encoding="utf-8") as stream:

@@ -95,9 +95,9 @@ def report_to_message(report: Report, frame: str, clock: FleetClock) -> RobotRep
         header=Header(stamp=clock.stamp(report.stamp), frame_id=frame), robot=report.name, session=report.session,
         radius=report.body.radius, weight=report.body.weight, schedule_version=report.version,
         arc_length=report.arc_length, speed=report.speed, state=int(report.state), pose=plane_from_pose(report.pose),
-        exchange=report.exchange, bound=report.bound, lapsed=report.lapsed, astray=report.astray,
-        errand=errand_to_message(report.errand), serving=report.serving, unserved=report.unserved, final=report.final,
-        obstacles=obstacles_to_messages(report.obstacles),
+        exchange=report.exchange, promised_to=report.promised_to, bound=report.bound, lapsed=report.lapsed,
+        astray=report.astray, errand=errand_to_message(report.errand), serving=report.serving,
+        unserved=report.unserved, final=report.final, obstacles=obstacles_to_messages(report.obstacles),
         cleared=list(report.cleared), blocked=report.blocked)
     for name in _LIMITS:
         setattr(message, name, getattr(report.body.limits, name))
@@ -123,7 +123,7 @@ def report_from_message(message: RobotReport, clock: FleetClock, schedule: Optio
         message.arc_length, message.speed, state, pose_from_plane(message.pose), message.exchange, message.bound,
         message.lapsed, message.astray, errand_from_message(message.errand), message.serving, message.unserved,
         message.final, obstacles_from_messages(message.obstacles), tuple(message.cleared), message.blocked,
-        waiting if message.waits_for else None, schedule)
+        waiting if message.waits_for else None, schedule, message.promised_to)
 
 
 def report_from_progress(message: Progress, clock: FleetClock) -> Report:
@@ -140,6 +140,7 @@ def directive_to_message(directive: Directive, frame: str, clock: FleetClock) ->
     return DirectiveMessage(
         header=Header(stamp=clock.stamp(directive.stamp), frame_id=frame), robots=names,
         heard=[clock.stamp(directive.heard[name]) for name in names], exchange=directive.exchange,
+        dispatcher=directive.dispatcher,
         assignments=[assignment_to_message(directive.assignments[name], frame, clock)
                      for name in sorted(directive.assignments)],
         obstacles=obstacles_to_messages(directive.obstacles), missing=list(directive.missing))
@@ -153,14 +154,14 @@ def directive_from_message(message: DirectiveMessage, frame: str, clock: FleetCl
     return Directive(clock.seconds(message.header.stamp),
                      {name: clock.seconds(stamp) for name, stamp in zip(message.robots, message.heard)},
                      message.exchange, assignments_from_messages(message.assignments, frame, clock, only),
-                     obstacles_from_messages(message.obstacles), tuple(message.missing))
+                     obstacles_from_messages(message.obstacles), tuple(message.missing), message.dispatcher)
 
 
 def assignment_to_message(assignment: Assignment, frame: str, clock: FleetClock) -> AssignmentMessage:
     """Its schedule with absolute time."""
-    return AssignmentMessage(assignment.session, schedule_to_absolute(assignment.schedule, frame, clock),
-                             assignment.origin, assignment.errand, assignment.reason, assignment.final,
-                             assignment.temporary)
+    return AssignmentMessage(assignment.session, assignment.dispatcher,
+                             schedule_to_absolute(assignment.schedule, frame, clock), assignment.origin,
+                             assignment.errand, assignment.reason, assignment.final, assignment.temporary)
 
 
 def assignments_from_messages(messages: Iterable[AssignmentMessage], frame: str, clock: FleetClock,
@@ -168,7 +169,7 @@ def assignments_from_messages(messages: Iterable[AssignmentMessage], frame: str,
     """By robot; those of others than `only` are passed over."""
     return {message.schedule.robot: Assignment(
         message.session, schedule_from_absolute(message.schedule, frame, clock), message.origin, message.errand,
-        message.reason, message.final, message.temporary)
+        message.reason, message.final, message.temporary, message.dispatcher)
         for message in messages if not only or message.schedule.robot == only}
 
 

@@ -19,7 +19,7 @@ from social_fleet.execution.lidar_stop import LidarStop, points_of_scan
 from social_fleet.execution.obstacle_watch import ObstacleWatch
 from social_fleet.execution.recovery.messages import Report
 from social_fleet.execution.tracker import Tracker
-from social_fleet.geometry import Pose, compose
+from social_fleet.geometry import Polyline, Pose, compose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.parameters import parameter
 from social_fleet.planning.overlays.shapes import DiscObstacle
@@ -95,6 +95,7 @@ class Eyes:
         self._to_wall = np.zeros((0, 0))
         self._followed: object = None
         self._looked = -math.inf
+        _load_compiled_code(radius)
         rospy.Subscriber("map", numpy_msg(GridMessage), self._hear_map, queue_size=1)
         rospy.Subscriber("scan", LaserScan, self._hear_scan, queue_size=1, tcp_nodelay=True)
 
@@ -211,3 +212,12 @@ class Eyes:
 
 def _is_in_sight(grid: OccupancyGrid, pose: Pose, shape: DiscObstacle) -> bool:
     return in_sight(grid, pose.x, pose.y, (shape.x, shape.y))
+
+
+def _load_compiled_code(radius: float) -> None:
+    """What is loaded, or compiled, when it is first called would otherwise be so while the robot drives."""
+    stop, here, far = LidarStop(radius), Pose(0.5, 0.5, 0.0), np.array([(9.0, 9.0)])
+    stop.follow(Polyline([(0.0, 0.0), (1.0, 0.0)]))
+    stop.horizon(far, 0.0, here)
+    stop.ahead(far, here)
+    in_sight(OccupancyGrid(np.zeros((2, 2), dtype=np.int8), 1.0), here.x, here.y, (1.5, 0.5))

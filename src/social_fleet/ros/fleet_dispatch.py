@@ -55,7 +55,7 @@ class FleetDispatch:
         self.active = False
         self._frame, self._config, self._ready, self._told = frame, config, ready, told
         self._notices = PlannerNotices(frame)
-        self._dispatcher = Dispatcher(Replanning(planner_for, options), config)
+        self._dispatcher = Dispatcher(Replanning(planner_for, options), config, session=int(1e3 * time.time()))
         self._clock = exchange.FleetClock(rospy.Time.now())
         self._inbox: Deque[RobotReport] = deque()
         self._heard: Dict[str, rospy.Time] = {}  # stamp of the latest report of each robot, also while planning
@@ -168,7 +168,8 @@ class FleetDispatch:
             if last is not None and time.monotonic() - self._said > self._config.beat:
                 names = sorted(self._heard)
                 message = DirectiveMessage(robots=names, heard=[self._heard[name] for name in names],
-                                           exchange=last.exchange, obstacles=last.obstacles)
+                                           exchange=last.exchange, obstacles=last.obstacles,
+                                           dispatcher=last.dispatcher)
                 message.header.frame_id, message.header.stamp = self._frame, rospy.Time.now()
                 self._say(message, keep=False)
 
