@@ -103,17 +103,21 @@ class CoordinateTest(unittest.TestCase):
                                      ).schedules[0].version > heard, "versions above those heard of")
 
     def test_schedules_reach_late_and_forgetful_trackers(self) -> None:
-        version = self.crossing().schedules[0].version
+        version = self.expect("SUCCESS", planning=[planned("blue", EAST), planned("pink", NORTH)]).schedules[0].version
         late, windows = Listener("fleet/schedules", Schedule), Listener("fleet/windows", EncounterWindow)
         late.wait(2)
         windows.wait(1)
         self.assertEqual({(message.robot, message.version) for message in late.messages},
-                         {("blue", version), ("gold", version)})
-        old = Progress(robot="gold", schedule_version=version - 1, state=Progress.ARRIVED)
+                         {("blue", version), ("pink", version)})
+        old = Progress(robot="pink", schedule_version=version - 1, state=Progress.ARRIVED)
         old.header.stamp = late.messages[0].header.stamp + rospy.Duration(1.0)
         wait_until(lambda: self.progress.get_num_connections() > 0, "the coordinator to listen")
         self.progress.publish(old)
-        self.assertEqual(late.wait(3).robot, "gold")
+        self.assertEqual(late.wait(3).robot, "pink")
+        self.expect("INVALID_REQUEST", "pink", planning=[planned("blue", EAST)])
+        old.schedule_version = version
+        self.progress.publish(old)
+        self.hear("SUCCESS", state=Progress.ARRIVED)
 
     def test_infeasible(self) -> None:
         there, back = [(0.0, 0.0), (10.0, 0.0)], [(10.0, 0.0), (0.0, 0.0)]

@@ -7,10 +7,11 @@ import unittest
 
 import rospy
 import rostest
-from support import wait_until
+from support import Listener, wait_until
 
 from social_fleet.errors import InvalidInput
 from social_fleet.geometry import Pose
+from social_fleet.msg import NavigationStatus
 from social_fleet.ros.fleet_client import Refused
 from social_fleet.ros.frames import Frames
 from social_fleet.ros.goal_sender import GoalSender
@@ -23,7 +24,8 @@ class SendGoal(unittest.TestCase):
 
     def test_two_drive_at_once(self) -> None:
         """Both arrive where they were sent."""
-        sender, frames = GoalSender(), Frames("map")
+        sender, frames, states = GoalSender(), Frames("map"), Listener("fleet/navigation", NavigationStatus)
+        wait_until(lambda: {message.robot for message in states.messages} == {"blue", "gold"}, "the navigators", 60.0)
         with self.assertRaises(InvalidInput) as caught:
             sender.send("nobody", EAST)
         self.assertIn("blue, gold", str(caught.exception))

@@ -61,3 +61,12 @@ def test_a_robot_under_way_is_not_taken_for_parked() -> None:
     check_in_force([parked], {"a": held}.get, genpy.Time(111))
     check_in_force([held], {"a": held}.get, genpy.Time(105))
     check_in_force([parked], {}.get, genpy.Time(105))
+
+
+def test_who_has_not_taken_up_what_is_in_force_may_do_so_at_any_moment() -> None:
+    fleet = [Progress(robot="gold", state=Progress.IDLE), Progress(robot="blue", state=Progress.ARRIVED,
+                                                                   schedule_version=4)]
+    held = {"gold": ScheduleMessage(robot="gold", version=4), "blue": ScheduleMessage(robot="blue", version=4)}.get
+    check_all_considered(fleet, ["gold"], held)
+    with pytest.raises(InvalidScenario, match="gold may move"):
+        check_all_considered(fleet, [], held)

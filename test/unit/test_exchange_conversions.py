@@ -80,11 +80,11 @@ def test_progress_tells_gates_what_they_need() -> None:
 def test_a_directive_comes_back() -> None:
     assignment = Assignment(9, SCHEDULE, 0.75, 8, "no way", True, True)
     directive = Directive(5.0, {"gold": 4.5, "blue": 4.0}, 12, {"gold": assignment},
-                          {"a": DiscObstacle(1.0, 2.0, 0.4)})
+                          {"a": DiscObstacle(1.0, 2.0, 0.4)}, ("red",))
     message = conversions.directive_to_message(directive, "map", CLOCK)
     result = conversions.directive_from_message(message, "map", CLOCK)
     assert result.heard == pytest.approx(dict(directive.heard))
-    assert (result.exchange, result.obstacles) == (12, directive.obstacles)
+    assert (result.exchange, result.obstacles, result.missing) == (12, directive.obstacles, ("red",))
     same(SCHEDULE, result.assignments["gold"].schedule)
     assert replace(result.assignments["gold"], schedule=SCHEDULE) == assignment
     assert not conversions.directive_from_message(message, "map", CLOCK, only="blue").assignments

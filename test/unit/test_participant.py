@@ -10,7 +10,7 @@ from worlds import grid_from_text
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import EncounterFinder
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.coordination.verification import verify

@@ -196,6 +196,13 @@ def test_older_reports_are_passed_over() -> None:
     assert gold.member.others["blue"].version == 4
 
 
+def test_what_it_last_heard_of_a_missing_robot_is_passed_on() -> None:
+    gold = Driven(straight())
+    gold.member.hear_report(Report("blue", 0, 3.0))
+    assert gold.member.remembered(Directive(9.0, {}, missing=("blue", "red"))) == [Report("blue", 0, 3.0)]
+    assert gold.member.remembered(Directive(9.0, {})) == []
+
+
 def test_it_is_served_only_at_the_goal_of_its_latest_errand() -> None:
     gold = Driven(replace(schedule_of([(0, 0), (1, 0)]), version=1))
     gold.member.errand = Errand(1, (1.0, 0.0))

@@ -9,7 +9,7 @@ from fleets import robot
 from worlds import grid_from_text
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner, Replanner
+from social_fleet.coordination.replanning import PlannerReplanner, Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.coordination.verification import verify

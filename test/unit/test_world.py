@@ -10,7 +10,7 @@ from worlds import grid_from_text
 from social_fleet.coordination.robot import Robot
 from social_fleet.errors import InvalidScenario
 from social_fleet.simulation.config import LidarConfig
-from social_fleet.simulation.faults import CircleObstacle, Fault, speed_share
+from social_fleet.simulation.faults import CircleObstacle, Fault, pose_shift, speed_share
 from social_fleet.simulation.lidar import Lidar
 from social_fleet.simulation.world import World
 
@@ -82,3 +82,28 @@ def test_the_worst_of_several_faults_counts() -> None:
 def test_an_obstacle_out_of_range_is_refused(values: dict) -> None:
     with pytest.raises(InvalidScenario):
         CircleObstacle(**{"x": 1.0, "y": 1.0, "radius": 0.3, **values})
+
+
+def test_a_jump_is_there_at_once_and_a_drift_comes_and_goes() -> None:
+    jump = Fault("gold", "jump", 1.0, 4.0, distance=2.0, direction=0.0)
+    drift = replace(jump, kind="drift")
+    assert [pose_shift(jump, now)[0] for now in (0.9, 1.0, 4.9, 5.0)] == [0.0, 2.0, 2.0, 0.0]
+    assert [pose_shift(drift, now)[0] for now in (1.0, 2.0, 3.0, 4.0, 5.0)] == [0.0, 1.0, 2.0, 1.0, 0.0]
+
+
+def test_a_lost_robot_knows_no_pose_and_a_shifted_one_a_wrong_one() -> None:
+    faults = [Fault("gold", "lost", 0.0, 0.1), Fault("green", "jump", 0.0, 0.1, distance=1.0, direction=0.0)]
+    world = World([GOLD, GREEN], faults=faults)
+    assert world.localise("gold") is None
+    x, y, _ = world.robots["green"].pose
+    assert world.localise("green")[:2] == (x + 1.0, y)  # type: ignore[index]
+    assert world.befalls("gold", "lost", "dead") and not world.befalls("gold", "dead")
+
+
+@pytest.mark.parametrize("values, field", [
+    ({"robot": "dispatcher", "kind": "pause"}, "kind"), ({"kind": "errand"}, "goal"), ({"goal": (1.0, 2.0)}, "goal"),
+    ({"distance": math.nan}, "distance")])
+def test_faults_that_make_no_sense_are_refused(values: dict, field: str) -> None:
+    with pytest.raises(InvalidScenario) as caught:
+        Fault(**{"robot": "gold", "kind": "pause", "at": 1.0, "duration": 2.0, **values})
+    assert caught.value.field == field

@@ -11,7 +11,7 @@ from typing import Callable, List
 import numpy as np
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.execution.recovery.decision import affected_by
 from social_fleet.mapping.files import load_map

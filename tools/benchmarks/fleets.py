@@ -13,7 +13,7 @@ import numpy as np
 
 from .worlds import map_files, mixed_fleet, planner
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.verification import verify
 from social_fleet.errors import InvalidInput, SocialFleetError

@@ -3,7 +3,7 @@
 from typing import Callable
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.scenario.closed_loop import simulate
 
 from .worlds import fleet, map_files, planner

@@ -14,12 +14,14 @@ from social_fleet.coordination.options import check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
 from social_fleet.coordination.program import ExactProgram, Solution
-from social_fleet.coordination.repair import Repairs, Replanner
+from social_fleet.coordination.repair import Repairs
+from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.request import check_fleet
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule, Precedence, Schedule
 from social_fleet.coordination.solvers import find_solver
 from social_fleet.coordination.timing import Timing, nominal_timing
+from social_fleet.coordination.turns import Turn, sides_of
 from social_fleet.errors import Infeasible, TimedOut
 
 log = logging.getLogger(__name__)
@@ -65,7 +67,7 @@ def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Se
     replanner : Replanner, optional
         Finds other paths where these admit no schedule; without one that is an error.
     repairs : int
-        Greatest number of paths replanned.
+        Greatest number of repairs: of one path each, or of all that have to make way in turn.
     partial : bool
         Where no schedule serves all, leave robots out, one by one, until the rest have one: see
         `FleetSchedule.unserved`. They count as standing at their starts for ever; one that would there be in the way
@@ -135,20 +137,22 @@ class _Job:
         """All robots at once, repaired where needed."""
         planned = sorted(robots, key=lambda robot: robot.name)
         spent = {"encounters": 0.0, "solve": 0.0, "repair": 0.0}
-        mender = None if self.replanner is None else Repairs(self.finder, self.replanner, self._feasible,
-                                                             self.options.repairs)
+        mender = None if self.replanner is None else Repairs(
+            self.finder, self.replanner, self._feasible, limit=self.options.repairs,
+            expired=lambda: time.monotonic() > self.deadline)
         while True:
             fleet = planned + [schedule.robot for schedule in self.fixed]
             encounters = _timed(spent, "encounters", lambda: self.former.applied(
                 self.finder.find(fleet, fixed=len(self.fixed)), fleet))
             try:
-                solution = _timed(spent, "solve", lambda: self._solve(planned, encounters))
+                turns = () if mender is None else mender.turns
+                solution = _timed(spent, "solve", lambda: self._solve(planned, encounters, turns=turns))
                 break
             except Infeasible as error:
                 if time.monotonic() > self.deadline:
                     raise
                 reason = error
-            planned = _timed(spent, "repair", lambda: self._mended(mender, planned, fleet, reason))
+            planned = _timed(spent, "repair", lambda: self._mended(mender, planned, fleet, encounters, reason))
         schedules = self._schedules(fleet, encounters, solution)
         windows = [_window(fleet, encounter, order) for encounter, order in zip(encounters, solution.orders)]
         return FleetSchedule(
@@ -203,28 +207,31 @@ class _Job:
                              gap=_gap(result.objective, result.bound),
                              encounter_time=spent["encounters"], solve_time=spent["solve"])
 
-    def _solve(self, planned: Sequence[Robot], encounters: Sequence[Encounter], *, alone: bool = False) -> Solution:
+    def _solve(self, planned: Sequence[Robot], encounters: Sequence[Encounter], *, alone: bool = False,
+               turns: Sequence[Turn] = ()) -> Solution:
         fixed = [] if alone else self.fixed
         fleet = list(planned) + [schedule.robot for schedule in fixed]
         contradictory = [encounter for encounter in encounters if contradiction(encounter, fleet)]
         if contradictory:
             raise _infeasible(contradictory[:1], fleet)
         motions = [Motion(self._timing(robot), robot.depart, weight=robot.weight) for robot in planned]
+        known = sides_of(turns, fleet, encounters) if turns else None
         motions += [Motion(Timing(schedule.arc_lengths, schedule.times), 0.0, fixed=True) for schedule in fixed]
         try:
             return ExactProgram(motions, encounters, margin=self.options.margin, makespan=self.options.makespan,
-                                gap=self.options.gap, effort=self.options.effort,
-                                solver=self.options.solver).solve(deadline=self.deadline)
+                                gap=self.options.gap, effort=self.options.effort, solver=self.options.solver,
+                                known=known).solve(deadline=self.deadline)
         except Contradiction as error:
             raise _infeasible([encounters[window] for window in error.windows], fleet) from error
 
-    def _mended(self, mender: Optional[Repairs], planned: Sequence[Robot], fleet: Sequence[Robot],
-                error: Infeasible) -> List[Robot]:
+    def _mended(self, mender: Optional[Repairs], planned: Sequence[Robot],
+                fleet: Sequence[Robot], encounters: Sequence[Encounter], error: Infeasible) -> List[Robot]:
         """The robots with other paths; or without one of them, where that is allowed."""
         try:
             if mender is None:
                 raise error
-            return mender.mend(planned, fleet, error)
+            contradictions = sum(contradiction(encounter, fleet) is not None for encounter in encounters)
+            return mender.mend(planned, fleet, error, contradictions=contradictions)
         except Infeasible:
             if not self.options.partial:
                 raise

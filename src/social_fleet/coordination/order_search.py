@@ -8,7 +8,7 @@ what they really cost, tells the master why, and stops when the two meet. doc/co
 import itertools
 import math
 import time
-from typing import Dict, FrozenSet, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class OrderSearch:
         self._root = self.state.given
         self._cuts: Set[FrozenSet[Choice]] = set()
         self._prices: Dict[Tuple[Choice, ...], Optional[np.ndarray]] = {(): np.zeros(len(motions))}
+        self._rng = np.random.RandomState(0)
+        self._chains: Optional[Tuple[np.ndarray, List[np.ndarray]]] = None
         self._excluded: Set[FrozenSet[Choice]] = set()
         self._blamed: Set[int] = set()
         self._master = DelayProgram(self._unavoidable, weights, longest)
@@ -73,9 +75,13 @@ class OrderSearch:
         """How many windows the master knows."""
         return len(self._master.windows)
 
+    def begin(self, sides: np.ndarray) -> None:
+        """Take orders that are known to be possible together (-1: open)."""
+        self._try(sides)
+
     def improve(self, rounds: int, *, gap: float, deadline: float) -> None:
         """Look for better orders, `rounds` times, until within `gap` or the deadline on `time.monotonic`'s clock."""
-        rng = np.random.RandomState(0)
+        rng = self._rng
         for index in range(rounds):
             if (math.isfinite(self.cost) and self.gap <= gap) or time.monotonic() > deadline:
                 break
@@ -149,7 +155,8 @@ class OrderSearch:
         active = np.flatnonzero(wanted >= 0)
         if not len(active):
             return None
-        turned = int(active[rng.randint(len(active))])
+        chain = self._chain(rng) if rng.randint(2) else active
+        turned = int(chain[rng.randint(len(chain))])
         kind = rng.randint(3)
         if kind == 0:
             robots = rng.choice(len(self._unavoidable), rng.randint(1, 5))
@@ -161,6 +168,28 @@ class OrderSearch:
             wanted[turned] = 1 - self.sides[turned]
         return wanted
 
+    def _chain(self, rng: np.random.RandomState) -> np.ndarray:
+        """The windows whose orders delay a robot, one that is late the sooner, in the best solution."""
+        if self._chains is None:
+            self._chains = self._find_chains()
+        delays, chains = self._chains
+        if not len(delays):
+            return np.flatnonzero(self.sides >= 0)
+        return chains[int(np.searchsorted(np.cumsum(delays), rng.uniform(0.0, delays.sum())))]
+
+    def _find_chains(self) -> Tuple[np.ndarray, List[np.ndarray]]:
+        """What robots are delayed by [s], weighted, and the windows that it is for."""
+        state = self.state
+        for window in self._by_time:
+            if self.sides[window] >= 0 > state.sides[window]:
+                state.give(int(window), int(self.sides[window]))
+        delays = (state.arrivals() - self._unavoidable) * state.weights
+        late = np.flatnonzero(delays > _WORTH)
+        chains = [np.array(sorted(window for window, _ in state.explain(int(state.goals[robot])))) for robot in late]
+        state.take_back(self._root)
+        held = [index for index, chain in enumerate(chains) if len(chain)]
+        return delays[late][held], [chains[index] for index in held]
+
     def _try(self, wanted: np.ndarray) -> None:
         cost, sides = self.state.dive(wanted, self._by_time, self.cost)
         if cost < self.cost - 1e-9:
@@ -169,6 +198,7 @@ class OrderSearch:
     def _take(self, cost: float, sides: np.ndarray) -> None:
         """Keep better orders; from now on, what costs as much counts as impossible."""
         self.cost, self.sides = cost, sides
+        self._chains = None
         state = self.state
         counted = state.weights > 0.0
         if state.longest:

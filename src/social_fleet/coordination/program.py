@@ -25,6 +25,8 @@ _TRIES = 100  # neighbourhoods searched between two calls for a proof
 _NODES = 100  # of the master's own search, while it has more binaries than `_FEW`
 _PROOFS = 2  # calls of the master at a time, ...
 _FEW = 60  # ... and as many as it takes while it has no more binaries than this
+_CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven ...
+_LONG = 4  # ... and so many times as many neighbourhoods are searched
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
 
 
@@ -61,10 +63,13 @@ class ExactProgram:
         How often search and proof take turns where the gap stays open.
     solver : str, optional
         See `solvers.solve`.
+    known : (W,) array, optional
+        Orders that are possible together: 0 where r goes first, 1 where s does, -1 where that is not known.
     """
 
     def __init__(self, motions: Sequence[Motion], encounters: Sequence[Encounter], *, margin: float,
-                 makespan: bool = False, gap: float = 0.0, effort: int = 1, solver: Optional[str] = None) -> None:
+                 makespan: bool = False, gap: float = 0.0, effort: int = 1, solver: Optional[str] = None,
+                 known: Optional[np.ndarray] = None) -> None:
         self.motions = motions
         self.encounters = encounters
         self.margin = margin
@@ -72,6 +77,7 @@ class ExactProgram:
         self._gap = gap
         self._effort = effort
         self._solver = solver
+        self._known = known
         self._weights = np.array([0.0 if motion.fixed else motion.weight for motion in motions])
         # solver and search have absolute tolerances, and the latest arrival goes before any weight
         self._scale = 1.0 if makespan else float(self._weights.max(initial=0.0)) or 1.0
@@ -112,13 +118,18 @@ class ExactProgram:
 
     def _search(self, graph: EventGraph, deadline: float) -> OrderSearch:
         search = OrderSearch(graph, self.motions, self._relative, self._makespan)
+        if self._known is not None:
+            search.begin(self._known)
         search.improve(1, gap=self._gap, deadline=deadline)
-        for _ in range(self._effort):
+        hopeless = self._known is not None and len(self.encounters) > _CROWDED
+        for _ in range(0 if hopeless else self._effort):
             self._prove(search, deadline)
             if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > deadline:
                 break
             search.improve(_TRIES, gap=self._gap, deadline=deadline)
             self._prove(search, deadline)
+        if hopeless:
+            search.improve(_LONG * self._effort * _TRIES, gap=self._gap, deadline=deadline)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=deadline, solver=self._solver)
         if not math.isfinite(search.cost):
@@ -169,16 +180,23 @@ class ExactProgram:
         return [encounter.orders[side] for encounter, side in zip(self.encounters, sides.tolist())]
 
     def _smallest(self, windows: List[int], deadline: float) -> List[int]:
-        """Windows without a common order from which none can be left out (deletion filter)."""
-        kept = list(windows)
-        for window in windows:
-            rest = [other for other in kept if other != window]
-            if time.monotonic() < deadline and self._contradict(rest, deadline):
-                kept = rest
-        return kept
+        """Windows without a common order from which none can be left out, by halves (QuickXplain)."""
+        return self._needed([], windows, deadline, proven=False) if len(windows) > 1 else windows
+
+    def _needed(self, given: List[int], windows: List[int], deadline: float, *, proven: bool) -> List[int]:
+        """Those of `windows` that contradict each other and the `given` ones."""
+        if proven and self._contradict(given, deadline):
+            return []
+        if len(windows) == 1:
+            return windows
+        first, second = windows[:len(windows) // 2], windows[len(windows) // 2:]
+        kept = self._needed(given + first, second, deadline, proven=True)
+        return self._needed(given + kept, first, deadline, proven=bool(kept)) + kept
 
     def _contradict(self, windows: Sequence[int], deadline: float) -> bool:
         """Whether some windows surely have no common order."""
+        if time.monotonic() > deadline:
+            return False
         graph = EventGraph(self.motions, [self._waits[window] for window in windows], self.margin)
         try:
             search = OrderSearch(graph, self.motions, self._relative, self._makespan)

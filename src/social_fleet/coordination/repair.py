@@ -1,105 +1,25 @@
-"""Other paths where the given ones admit no schedule: round a parked robot, or aside to let another pass."""
+"""Other paths where the given ones admit no schedule: round a parked robot, aside, or for all to take turns."""
 
 import logging
-from dataclasses import replace
-from typing import Callable, Dict, Iterator, List, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
 from social_fleet.coordination.encounters import EncounterFinder
+from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.robot import Robot
-from social_fleet.errors import Infeasible, InvalidPose, NoPath
-from social_fleet.geometry import Pose
-from social_fleet.mapping.clearance import ConfigurationSpace
+from social_fleet.coordination.turn_taking import TurnTaking
+from social_fleet.coordination.turns import Turn
+from social_fleet.errors import Infeasible
 from social_fleet.planning.overlays.discs import Disc
-from social_fleet.planning.overlays.overlay_set import Overlays
-from social_fleet.planning.plan import Plan
-from social_fleet.planning.planner import SocialPlanner
 
 log = logging.getLogger(__name__)
 
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
-_SPACING = 1.5  # between places aside that are tried [m]
-_PLACES = 6  # places aside that are tried for one robot
-_ASIDE_REACH = 25.0  # how far from its start a robot steps aside at most, as the crow flies [m]
-
+_MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
 """What a robot does to let others pass, the robot with that path, and the discs that it now avoids."""
-
-
-class Replanner:
-    """What repair needs of a planner; `PlannerReplanner` searches in this process."""
-
-    def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
-        """`robot` with a path whose centre line keeps out of the discs; None when there is none."""
-        raise NotImplementedError
-
-    def aside(self, robot: Robot, others: Sequence[Robot], distance: float, avoid: Sequence[Disc]) -> Iterator[Robot]:
-        """`robot` with paths by way of places at least `distance` [m] from the paths of `others`, nearest first."""
-        raise NotImplementedError
-
-
-class PlannerReplanner(Replanner):
-    """Replans with one planner for each radius.
-
-    Parameters
-    ----------
-    planner_for : callable
-        The planner for robots of a radius [m].
-    overlays : OverlaySet, mapping of names to shapes, or sequence of shapes
-        Obstacles that the map does not hold.
-    """
-
-    def __init__(self, planner_for: Callable[[float], SocialPlanner], *, overlays: Overlays = ()) -> None:
-        self._planner_for = planner_for
-        self._overlays = overlays
-
-    def detour(self, robot: Robot, avoid: Sequence[Disc]) -> Optional[Robot]:
-        """See `Replanner`."""
-        plan = self._plan(robot, _end(robot.start, robot.start_yaw), _end(robot.goal, robot.goal_yaw), avoid)
-        return None if plan is None else _with_plan(robot, plan)
-
-    def aside(self, robot: Robot, others: Sequence[Robot], distance: float, avoid: Sequence[Disc]) -> Iterator[Robot]:
-        """See `Replanner`."""
-        for place in self._places(robot, others, distance):
-            to_place = self._plan(robot, _end(robot.start, robot.start_yaw), place, avoid)
-            onward = None if to_place is None else self._plan(robot, place, _end(robot.goal, robot.goal_yaw), avoid)
-            if to_place is not None and onward is not None:
-                yield _with_plan(robot, _joined(to_place, onward))
-
-    def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
-              avoid: Sequence[Disc]) -> Optional[Plan]:
-        try:
-            return self._planner_for(robot.body_radius).plan(start, goal, avoid=avoid, overlays=self._overlays)
-        except (NoPath, InvalidPose):
-            return None
-
-    def _places(self, robot: Robot, others: Sequence[Robot], distance: float) -> List[Tuple[float, float]]:
-        """Free places near the robot's start that keep clear of the others' paths, nearest first, apart."""
-        planner = self._planner_for(robot.body_radius)
-        return (self._places_in(planner.way, robot, others, distance)
-                or self._places_in(planner.space, robot, others, distance))
-
-    @staticmethod
-    def _places_in(space: ConfigurationSpace, robot: Robot, others: Sequence[Robot],
-                   distance: float) -> List[Tuple[float, float]]:
-        from scipy.spatial import cKDTree
-        stride = max(1, int(round(0.3 / space.grid.resolution)))
-        rows, columns = np.nonzero(space.free[::stride, ::stride])
-        places = space.grid.centres(np.stack((rows, columns), axis=1) * stride)
-        reach = np.hypot(*(places - robot.path.points[0]).T)
-        places, reach = places[reach < _ASIDE_REACH], reach[reach < _ASIDE_REACH]
-        kept_clear = np.vstack([other.path.position(np.arange(0.0, other.path.length + 0.1, 0.1)) for other in others])
-        clear = cKDTree(kept_clear).query(places)[0] >= distance + 0.1
-        places, reach = places[clear], reach[clear]
-        chosen: List[Tuple[float, float]] = []
-        for x, y in places[np.argsort(reach, kind="stable")]:
-            if all(np.hypot(x - other[0], y - other[1]) >= _SPACING for other in chosen):
-                chosen.append((float(x), float(y)))
-            if len(chosen) == _PLACES:
-                break
-        return chosen
 
 
 class Repairs:
@@ -113,21 +33,37 @@ class Repairs:
     feasible : callable
         Whether some robots have a schedule among themselves.
     limit : int
-        Greatest number of paths replanned.
+        Greatest number of repairs.
+    expired : callable
+        Whether to give up a search for turns.
+
+    Attributes
+    ----------
+    notes : list of str
+        What was changed, for people.
+    turns : sequence of Turn
+        Turns that the paths of now allow; empty where that is not known.
     """
 
-    def __init__(self, finder: EncounterFinder, replanner: Replanner,
-                 feasible: Callable[[Sequence[Robot]], bool], limit: int) -> None:
+    def __init__(self, finder: EncounterFinder, replanner: Replanner, feasible: Callable[[Sequence[Robot]], bool], *,
+                 limit: int, expired: Callable[[], bool]) -> None:
         self._finder = finder
         self._replanner = replanner
         self._feasible = feasible
         self._limit = limit
+        self._expired = expired
+        self._asked: Dict[str, Robot] = {}
+        self._took_turns: FrozenSet[str] = frozenset()
         self._avoided: Dict[str, Tuple[Disc, ...]] = {}
         self._tried: Set[Tuple[str, str, str]] = set()
         self.notes: List[str] = []
+        self.turns: Sequence[Turn] = ()
 
-    def mend(self, planned: Sequence[Robot], fleet: Sequence[Robot], error: Infeasible) -> List[Robot]:
+    def mend(self, planned: Sequence[Robot], fleet: Sequence[Robot], error: Infeasible, *,
+             contradictions: int) -> List[Robot]:
         """`planned` with one path changed so that the robots named in `error` have a schedule among themselves.
+
+        Where there is no such path, or contradictory windows are many, perhaps many are changed so that all have one.
 
         Raises
         ------
@@ -136,17 +72,52 @@ class Repairs:
         """
         if len(self.notes) >= self._limit:
             raise error
+        for robot in planned:
+            self._asked.setdefault(robot.name, robot)
+        mended = self._with_one_changed(planned, fleet, error) if contradictions < _MANY else None
+        if mended is not None:
+            self.turns = ()
+            return mended
+        mended = self._taking_turns(planned, fleet)
+        if mended is None:
+            raise error
+        return mended
+
+    def _with_one_changed(self, planned: Sequence[Robot], fleet: Sequence[Robot],
+                          error: Infeasible) -> Optional[List[Robot]]:
         concerned = [robot for robot in fleet if robot.name in error.robots]
         movable = [robot for robot in planned if robot.name in error.robots]
         best = (self._shortest(self._detours, movable, concerned)
                 or self._shortest(self._asides, movable, concerned))
         if best is None:
-            raise error
+            return None
         extra, how, changed, avoided = best
         self._avoided[changed.name] = avoided
-        self.notes.append(f"{changed.name} {how} ({extra:+.1f} m)")
-        log.info("repair: %s", self.notes[-1])
+        self._note(f"{changed.name} {how} ({extra:+.1f} m)")
         return [changed if robot.name == changed.name else robot for robot in planned]
+
+    def _taking_turns(self, planned: Sequence[Robot], fleet: Sequence[Robot]) -> Optional[List[Robot]]:
+        """All on paths that they could drive one after the other; tried once for the same robots."""
+        names = frozenset(robot.name for robot in planned)
+        under_way = any(robot.committed is not None for robot in planned)
+        if names == self._took_turns or under_way or not self._replanner.leads_anywhere:
+            return None
+        self._took_turns = names
+        asked = [self._asked[robot.name] for robot in planned]
+        search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
+                            self._finder.safety_distance, self._expired)
+        found = search.find()
+        if found is None:
+            return None
+        self.turns = search.turns
+        extra = sum(after.path.length - before.path.length for before, after in zip(asked, found))
+        changed = [after.name for before, after in zip(asked, found) if after is not before]
+        self._note(f"{', '.join(changed)} make way in turn ({extra:+.1f} m in all)")
+        return found[:len(planned)]
+
+    def _note(self, what: str) -> None:
+        self.notes.append(what)
+        log.info("repair: %s", what)
 
     def _shortest(self, ways: Callable[[Robot, Sequence[Robot]], Iterator[Option]], movable: Sequence[Robot],
                   concerned: Sequence[Robot]) -> Optional[Tuple[float, str, Robot, Tuple[Disc, ...]]]:
@@ -200,20 +171,3 @@ class Repairs:
             blocked = np.hypot(*(nearest - (x, y))) < distance <= np.hypot(ends[:, 0], ends[:, 1]).min()
             discs.append(Disc(float(x), float(y), distance) if blocked else None)
         return discs
-
-
-def _end(pose: Pose, yaw: Optional[float]) -> Tuple[float, ...]:
-    """A start or goal as the planner takes it: without a heading where any will do."""
-    return pose[:2] if yaw is None else pose
-
-
-def _with_plan(robot: Robot, plan: Plan) -> Robot:
-    return replace(robot, plan=plan)
-
-
-def _joined(first: Plan, second: Plan) -> Plan:
-    """Two plans driven one after the other."""
-    return replace(second, points=np.vstack((first.points, second.points[1:])), length=first.length + second.length,
-                   social_cost=first.social_cost + second.social_cost, cost=first.cost + second.cost,
-                   cells=np.vstack((first.cells, second.cells)), expanded=first.expanded + second.expanded,
-                   search_time=first.search_time + second.search_time, start_yaw=first.start_yaw)

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Optional, Union
+from typing import Optional, Tuple, Union
 
 import numpy as np
 
@@ -126,6 +126,11 @@ class Robot:
         """`radius`, never None [m]."""
         assert self.radius is not None
         return self.radius
+
+    @property
+    def stops(self) -> Tuple[float, ...]:
+        """Arc lengths [m] of places on the way that are meant for letting others pass."""
+        return self.plan.stops if isinstance(self.plan, Plan) else ()
 
     @property
     def start(self) -> Pose:

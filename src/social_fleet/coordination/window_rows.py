@@ -1,7 +1,7 @@
 """From conflicting links to encounter windows: extents, kinds, and the rows of both orders.
 
 For an order, the second robot's links in a window are walked in ascending order; `clear` is the farthest that the
-first has to be past by then. A row is kept as long as `clear` rises by no more than `_STAIR`: see doc/coordination.md.
+first has to be past by then. A row is kept as long as `clear` rises by no more than `STAIR`: see doc/coordination.md.
 """
 
 from typing import NamedTuple, Optional, Tuple
@@ -14,8 +14,10 @@ from social_fleet.coordination.conflict_regions import LINK, Links, close_runs, 
 SHORT = 2.0
 """A window whose arcs are both shorter than this is an intersection [m]."""
 
+STAIR = 0.5
+"""How far the first robot's mark may run ahead of what is needed, to save rows [m]."""
+
 _TINY = 1e-6  # [m]
-_STAIR = 0.5  # how far the first robot's mark may run ahead of what is needed, to save rows [m]
 _NEAR = 0.3  # how far beyond what two robots are committed to they may be closer than the distance, ... [m]
 _SLACK = 0.05  # ... and by how much: robots stand a little short of where they wait [m]
 _NEARER = 0.02  # two that are closer than that already may come so much closer yet [m]
@@ -48,12 +50,14 @@ class WindowRows(NamedTuple):
     clear: np.ndarray
 
 
-def window_rows(r: Links, s: Links, distance: float, *, committed: Optional[Tuple[float, float]] = None,
-                least: float = 0.0) -> WindowRows:
+def window_rows(r: Links, s: Links, distance: float, *, stair: float = STAIR,
+                committed: Optional[Tuple[float, float]] = None, least: float = 0.0) -> WindowRows:
     """The windows of two paths: where links come closer than `distance` [m].
 
     Parameters
     ----------
+    stair : float
+        How far the first robot's mark may run ahead of what is needed, to save rows [m].
     committed : (float, float), optional
         The arc lengths that two robots under way are committed to [m], borders of links: what both reach within these
         is settled, and no part of any window. Where they are closer than the distance now, they need not keep it before
@@ -63,13 +67,13 @@ def window_rows(r: Links, s: Links, distance: float, *, committed: Optional[Tupl
     """
     r_upto, s_upto = committed or (0.0, 0.0)
     return WindowRows(*_windows(r.tails, r.heads, r.middles, r.starts, r.ends,
-                                s.tails, s.heads, s.middles, s.starts, s.ends, distance,
+                                s.tails, s.heads, s.middles, s.starts, s.ends, distance, stair,
                                 r_upto, s_upto, least if committed is not None else np.inf))
 
 
 @njit(cache=True)
 def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-untyped-def]
-             s_tails, s_heads, s_middles, s_starts, s_ends, distance, r_upto, s_upto, least):
+             s_tails, s_heads, s_middles, s_starts, s_ends, distance, stair, r_upto, s_upto, least):
     runs = close_runs(r_tails, r_heads, r_middles, s_tails, s_heads, s_middles, distance)
     r_own, s_own = max(np.sum(r_ends <= r_upto + _TINY), 1), max(np.sum(s_ends <= s_upto + _TINY), 1)
     if least < np.inf:
@@ -96,9 +100,9 @@ def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-u
         ends[window, 2], ends[window, 3] = first < s_own, last == len(s_starts) - 1
         kinds[window] = _kind(mine, extents[window])
         by_first = np.argsort(mine[:, 1], kind="mergesort")
-        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows)
+        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows, stair)
         starts[2 * window + 1] = rows
-        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows)
+        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows, stair)
         starts[2 * window + 2] = rows
     return extents, ends, kinds, starts, at[:rows], clear[:rows]
 
@@ -132,7 +136,8 @@ def _unsettled(runs, r_own, s_own, r_near, s_near,  # type: ignore[no-untyped-de
 
 
 @njit(cache=True)
-def _stairs(entries, follower_links, exits, leader_links, order, at, clear, rows):  # type: ignore[no-untyped-def]
+def _stairs(entries, follower_links, exits,  # type: ignore[no-untyped-def]
+            leader_links, order, at, clear, rows, stair):
     """Add the rows of one order; `entries` and `exits` are the arc lengths of links' starts and ends [m]."""
     begin = rows
     low = 0.0
@@ -140,7 +145,7 @@ def _stairs(entries, follower_links, exits, leader_links, order, at, clear, rows
     for index in order:
         entry = entries[follower_links[index]]
         passed = max(passed, exits[leader_links[index]])
-        if rows == begin or (entry > at[rows - 1] and passed - low > _STAIR):
+        if rows == begin or (entry > at[rows - 1] and passed - low > stair):
             at[rows] = entry
             low = passed
             rows += 1

@@ -88,7 +88,7 @@ class Course:
         self.leg = max(index for index, stop in enumerate(self.stops) if stop.arc_length <= arc_length + _AT_STOP)
         self.governor.arc_length, self.governor.speed = arc_length, old.governor.speed
         at_stop = arc_length <= self.last_stop.arc_length + _AT_STOP
-        self.turning = at_stop and (old.turning or old.governor.speed == 0.0)
+        self.turning = at_stop and (old.turning or old.governor.speed == 0.0 or self.at_goal)
         self.reference, self.reference_speed = self.path.pose(self.driven_leg, arc_length), old.reference_speed
 
     def join(self, pose: Pose, speed: float, tolerance: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.experiments.cells import Cell, Work
 from social_fleet.experiments.charts import add_caption
 from social_fleet.experiments.fleets import Outcome, coordinated, random_specs

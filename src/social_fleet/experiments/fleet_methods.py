@@ -10,7 +10,7 @@ from social_fleet.coordination.baselines.conflict_based import ConflictBasedSear
 from social_fleet.coordination.baselines.fleet_planner import FleetPlanner as Baseline
 from social_fleet.coordination.baselines.prioritized import PrioritizedPlanner
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule
 from social_fleet.coordination.verification import verify

@@ -7,7 +7,7 @@ import numpy as np
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.files import schedule_from_dict, schedule_to_dict
-from social_fleet.coordination.repair import Replanner
+from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import EncounterWindow, FleetSchedule
 from social_fleet.coordination.verification import verify

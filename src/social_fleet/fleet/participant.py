@@ -16,7 +16,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Un
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import Encounter, EncounterFinder
-from social_fleet.coordination.repair import Replanner
+from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.coordination.work_sharing import Pair, share_pairs

@@ -42,6 +42,8 @@ class Plan:
         Names of the temporary obstacles that it comes near.
     goal_shift : float
         How far from the goal that was asked for the path ends [m].
+    stops : tuple of float
+        Arc lengths [m] of places on the way where the robot may have to let others pass.
     message : str
         What a user should know of the path, such as why it ends elsewhere; empty when there is nothing.
     """
@@ -60,6 +62,7 @@ class Plan:
     temporary: bool = False
     obstacles: Tuple[str, ...] = ()
     goal_shift: float = 0.0
+    stops: Tuple[float, ...] = ()
     message: str = ""
 
     @property

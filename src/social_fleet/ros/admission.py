@@ -16,13 +16,22 @@ def stands_for_good(news: Progress) -> bool:
     return news.state == Progress.ARRIVED or (news.state == Progress.IDLE and news.schedule_version == 0)
 
 
-def check_all_considered(progress: Iterable[Progress], names: Iterable[str]) -> None:
-    """Raise InvalidScenario when a robot that may move by its schedule is none of `names`."""
+def check_all_considered(progress: Iterable[Progress], names: Iterable[str],
+                         held: Callable[[str], Optional[ScheduleMessage]] = lambda name: None) -> None:
+    """Raise InvalidScenario when a robot that may move by its schedule is none of `names`.
+
+    One that has not taken up what is in force for it, by `held`, may do so at any moment.
+    """
     known = set(names)
-    left_out = sorted(news.robot for news in progress if news.robot not in known and not stands_for_good(news))
+    left_out = sorted(news.robot for news in progress if news.robot not in known and (
+        not stands_for_good(news) or _is_behind(news, held(news.robot))))
     if left_out:
         raise InvalidScenario(f"{', '.join(left_out)} may move by an earlier schedule and is left out; give its "
                               "schedule in `fixed`, or plan it anew", field="fixed")
+
+
+def _is_behind(news: Progress, schedule: Optional[ScheduleMessage]) -> bool:
+    return schedule is not None and news.schedule_version < schedule.version
 
 
 def check_in_force(given: Iterable[ScheduleMessage], held: Callable[[str], Optional[ScheduleMessage]],

@@ -130,7 +130,8 @@ def report_from_progress(message: Progress, clock: FleetClock) -> Report:
     """The part of a report that other robots need: for their gates, and to tell it from an obstacle."""
     pose = pose_from_plane(message.pose) if message.header.frame_id else None
     return Report(message.robot, message.session, clock.seconds(message.header.stamp),
-                  Body(message.radius or Body.radius), message.schedule_version, message.arc_length, pose=pose)
+                  Body(message.radius or Body.radius), message.schedule_version, message.arc_length, message.speed,
+                  pose=pose)
 
 
 def directive_to_message(directive: Directive, frame: str, clock: FleetClock) -> DirectiveMessage:
@@ -141,7 +142,7 @@ def directive_to_message(directive: Directive, frame: str, clock: FleetClock) ->
         heard=[clock.stamp(directive.heard[name]) for name in names], exchange=directive.exchange,
         assignments=[assignment_to_message(directive.assignments[name], frame, clock)
                      for name in sorted(directive.assignments)],
-        obstacles=obstacles_to_messages(directive.obstacles))
+        obstacles=obstacles_to_messages(directive.obstacles), missing=list(directive.missing))
 
 
 def directive_from_message(message: DirectiveMessage, frame: str, clock: FleetClock,
@@ -152,7 +153,7 @@ def directive_from_message(message: DirectiveMessage, frame: str, clock: FleetCl
     return Directive(clock.seconds(message.header.stamp),
                      {name: clock.seconds(stamp) for name, stamp in zip(message.robots, message.heard)},
                      message.exchange, assignments_from_messages(message.assignments, frame, clock, only),
-                     obstacles_from_messages(message.obstacles))
+                     obstacles_from_messages(message.obstacles), tuple(message.missing))
 
 
 def assignment_to_message(assignment: Assignment, frame: str, clock: FleetClock) -> AssignmentMessage:

@@ -12,7 +12,7 @@ from nav_msgs.msg import OccupancyGrid as GridMessage
 from rospy.numpy_msg import numpy_msg
 
 from social_fleet.coordination.coordinator import coordinate
-from social_fleet.coordination.repair import PlannerReplanner
+from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import FleetSchedule, Schedule
 from social_fleet.errors import InvalidScenario
@@ -144,7 +144,8 @@ class FleetCoordinator:
                                   "coordinator and the trackers anew", field="planning")
         with self._lock:
             progress = list(self._progress.values())
-        check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]])
+        check_all_considered(progress, [message.robot for message in [*request.planning, *request.fixed]],
+                             self._schedules.last)
         check_in_force(request.fixed, self._schedules.last, rospy.Time.now())
         self._version = next_version([self._version, *(news.schedule_version for news in progress),
                                       *(message.version for message in request.fixed)])

@@ -60,7 +60,7 @@ class FleetDispatch:
         self._inbox: Deque[RobotReport] = deque()
         self._heard: Dict[str, rospy.Time] = {}  # stamp of the latest report of each robot, also while planning
         self._callers: Set[str] = set()
-        self._following: Dict[Tuple[str, int], ScheduleMessage] = {}
+        self._following: Dict[str, Dict[int, ScheduleMessage]] = {}  # by robot and version
         self._adopted: Dict[Tuple[str, int], Schedule] = {}
         self._given: Dict[str, int] = {}  # latest version that was made for each robot
         self._since = time.monotonic()
@@ -75,16 +75,21 @@ class FleetDispatch:
             threading.Thread(target=work, daemon=True).start()
 
     def _hear_report(self, message: RobotReport) -> None:
+        self._inbox.append(message)
+        if message.relayed:
+            return
         self._callers.add(message._connection_header["callerid"])
         self._heard[message.robot] = message.header.stamp
-        self._inbox.append(message)
         if message.errand.number and not message.errand.idle and message.errand.number != message.schedule_version \
                 and not self.active:
             rospy.loginfo("%s has a goal: the fleet is kept supplied with schedules from now on", message.robot)
             self.active = True
 
     def _hear_following(self, message: ScheduleMessage) -> None:
-        self._following[message.robot, message.version] = message
+        known = self._following.get(message.robot, {})
+        latest = sorted([*known, message.version])[-2:]  # a report may still speak of the one before
+        self._following[message.robot] = {version: item for version, item in (
+            *known.items(), (message.version, message)) if version in latest}
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
@@ -134,15 +139,17 @@ class FleetDispatch:
         return not latest
 
     def _converted(self, message: RobotReport) -> Optional[Report]:
-        """The report; None while the schedule that it speaks of is not known."""
+        """The report; None while the schedule that it speaks of is not known, and the robot not gone."""
         version, key = message.schedule_version, (message.robot, message.schedule_version)
-        if version == 0 or version == self._given.get(message.robot):
+        if message.relayed or version == 0 or version == self._given.get(message.robot):
             return exchange.report_from_message(message, self._clock)
         if key not in self._adopted:
-            if key not in self._following:
-                return None
+            following = self._following.get(message.robot, {}).get(version)
+            if following is None:
+                age = (rospy.Time.now() - message.header.stamp).to_sec()
+                return None if age <= self._config.gone else exchange.report_from_message(message, self._clock)
             self._adopted = {known: schedule for known, schedule in self._adopted.items() if known[0] != key[0]}
-            self._adopted[key] = exchange.schedule_from_absolute(self._following[key], self._frame, self._clock)
+            self._adopted[key] = exchange.schedule_from_absolute(following, self._frame, self._clock)
         return exchange.report_from_message(message, self._clock, self._adopted[key])
 
     def _all_heard(self) -> bool:

@@ -38,11 +38,15 @@ class TrackerHealth:
         self.longest = 0.0  # between two commands [s, wall time]
         self._diagnostics = Diagnostics(robot, {"schedule": self._schedule, "gate": self._gate, "pose": self._pose,
                                                 "control": self._control})
-        rospy.on_shutdown(self._sum_up)
+        self._told = 0
 
     def tick(self) -> None:
         """A control period begins: odometry has come."""
         now = time.monotonic()
+        if self._tracker.arrived and self.missed > self._told:
+            rospy.logwarn("%d of %d control periods had no command; the longest time between two was %.2f s",
+                          self.missed, self.periods, self.longest)
+            self._told = self.missed
         if self._last is not None and self._tracker.schedule is not None and not self._tracker.arrived:
             gap = now - self._last
             self.periods += 1
@@ -92,7 +96,3 @@ class TrackerHealth:
         if self.missed:
             return Level.WARN, f"{self.missed} of {self.periods} control periods without a command", values
         return Level.OK, "every control period had its command", values
-
-    def _sum_up(self) -> None:
-        rospy.loginfo("control periods under way: %d, missed %d, longest %.3f s", self.periods, self.missed,
-                      self.longest)

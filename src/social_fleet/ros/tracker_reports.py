@@ -8,6 +8,7 @@ import rospy
 from geometry_msgs.msg import Pose2D
 
 from social_fleet.execution.recovery.member import Member
+from social_fleet.execution.recovery.messages import Report
 from social_fleet.execution.state import STANDSTILL, ProgressState
 from social_fleet.geometry import Pose
 from social_fleet.msg import Progress, RobotReport, Schedule, Waiting
@@ -54,6 +55,12 @@ class TrackerReports:
         """The tracker has taken up `message`: everybody is told at the next step."""
         self._following.publish(message)
         self._last = self._reported = None
+
+    def relay(self, report: Report) -> None:
+        """Pass on what was last heard of another robot, for a coordinator that has never heard of it."""
+        message = report_to_message(report, self._frame, self._clock)
+        message.relayed = True
+        self._reports[0].publish(message)
 
     def step(self, stamp: genpy.Time, pose: Optional[Pose], reference: Optional[Pose], obstructed: str) -> None:
         """Report what is due, after the tracker's step.

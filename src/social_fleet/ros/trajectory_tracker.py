@@ -144,6 +144,8 @@ class TrajectoryTracker:
         with self._lock:
             self._directed = True
             self._eyes.know(directive.obstacles)
+            for report in self._member.remembered(directive):
+                self._reports.relay(report)
             if self._member.hear(directive) is not None:
                 self._take_up(next(item.schedule for item in message.assignments
                                    if item.schedule.robot == self.robot))
@@ -159,9 +161,8 @@ class TrajectoryTracker:
                 return
             self._errand, self._member.errand = message.number, errand
             if errand is None and self._tracker.schedule is not None and not self._tracker.arrived:
-                # Stand, and have the fleet make a schedule of that.
+                # At once: the fleet makes a schedule of that only after an exchange.
                 self._member.bound = min(self._member.bound, self._tracker.stopping_arc_length())
-                self._member.lapsed = True
 
     def _hear_progress(self, message: Progress) -> None:
         if message.robot != self.robot:

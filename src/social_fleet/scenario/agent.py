@@ -80,7 +80,8 @@ class Agent:
         """
         horizon, ahead = math.inf, math.inf
         tracker = self.member.tracker
-        if pose is not None:
+        looks = now - self._looked >= _LOOK - 1e-9
+        if pose is not None and (looks or not tracker.arrived):  # one that has arrived needs its eyes for others only
             points = self._points(pose, truth, discs, own)
             if tracker.schedule is not None and len(points):
                 if tracker.schedule.version != self._followed:
@@ -88,7 +89,7 @@ class Agent:
                     self._followed = tracker.schedule.version
                 horizon = self._eyes.horizon(points, tracker.progress, pose)
                 ahead = self._eyes.ahead(points, pose)
-            if now - self._looked >= _LOOK - 1e-9 and tracker.pose_believed:
+            if looks and tracker.pose_believed:
                 self._looked = now
                 self._look(now, pose, truth, points, discs, own)
         self._horizon = horizon

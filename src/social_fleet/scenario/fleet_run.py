@@ -82,6 +82,7 @@ class FleetRun:
         self._dispatched = -math.inf
         self._pending = sorted((fault for fault in scenario.faults if fault.kind == "errand"),
                                key=lambda fault: fault.at)
+        self._joins = {fault.robot: fault.at for fault in scenario.faults if fault.kind == "join"}
         self.recorder = Recorder(self.names)
         self.commands: List[np.ndarray] = []
         self._start(fleet)
@@ -129,7 +130,7 @@ class FleetRun:
 
     def _start(self, fleet: FleetSchedule) -> None:
         """All robots have their first schedules; those that join later are not there yet."""
-        joining = {fault.robot for fault in self.scenario.faults if fault.kind == "join"}
+        joining = self._joins
         for name in self.names:
             if name in joining:
                 continue
@@ -168,7 +169,7 @@ class FleetRun:
                 self.agents[fault.robot].member.errand = self.errands[fault.robot]
 
     def _joins_later(self, name: str, now: float) -> bool:
-        return any(fault.robot == name and fault.kind == "join" and now < fault.at for fault in self.scenario.faults)
+        return name in self._joins and now < self._joins[name]
 
     def _deliver(self, now: float) -> None:
         for receiver, message in self._network.arrived(now):
@@ -180,6 +181,8 @@ class FleetRun:
                     self.agents[receiver].hear_report(message)
                 else:
                     self.agents[receiver].hear(message)
+                    for report in self.agents[receiver].member.remembered(message):
+                        self._network.send(now, [DISPATCHER], report)
 
     def _dispatch(self, now: float) -> None:
         assert self.dispatcher is not None

@@ -15,12 +15,13 @@ from social_fleet.simulation.faults import DISPATCHER, CircleObstacle, Fault
 from social_fleet.simulation.network import NetworkConfig
 
 # What befalls a robot: the share of robots, and what is drawn with it.
-_SHARES = {"pause": 0.35, "slow": 0.15, "lost": 0.1, "jump": 0.12, "silent": 0.1, "restart": 0.1, "dead": 0.05,
-           "errand": 0.12, "join": 0.08}
+_SHARES = {"pause": 0.35, "slow": 0.15, "lost": 0.1, "jump": 0.12, "drift": 0.15, "silent": 0.1, "restart": 0.1,
+           "dead": 0.05, "errand": 0.12, "join": 0.08}
 _BUSY = 60.0  # faults begin within so long [s]
 POSITION_ERROR = 0.03  # bound of localisation's error [m]; doc/execution.md says what is guaranteed up to it
+DRIFT = 0.02  # that it may drift beyond that [m]
 HEADING_ERROR = 0.02  # [rad]
-WALL_MARGIN = 0.12  # half of it, all that there is in tight spots, covers errors of localisation and tracking [m]
+WALL_MARGIN = 0.14  # half of it, all that there is in tight spots, covers errors of localisation and tracking [m]
 
 
 def random_faulty_scenario(grid: OccupancyGrid, robots: int, *, seed: int, map_name: str, map_path: str) -> Scenario:
@@ -66,6 +67,10 @@ def _faults(robot: RobotSpec, fleet: Sequence[RobotSpec], grid: OccupancyGrid, c
         elif kind == "jump":
             found.append(Fault(robot.name, kind, at, _round(chance.uniform(0.2, 6.0)),
                                distance=_round(chance.uniform(0.3, 3.0)),
+                               direction=_round(chance.uniform(-math.pi, math.pi))))
+        elif kind == "drift":
+            found.append(Fault(robot.name, kind, at, _round(chance.uniform(10.0, 60.0)),
+                               distance=_round(chance.uniform(0.005, DRIFT), 3),
                                direction=_round(chance.uniform(-math.pi, math.pi))))
         elif kind == "errand":
             goal = _other_goal(robot, fleet, grid, chance)

@@ -6,7 +6,7 @@ from typing import Iterable, Sequence, Tuple
 
 from social_fleet.errors import InvalidScenario
 
-FAULT_KINDS = ("pause", "slow", "lost", "jump", "silent", "restart", "dead", "errand", "join")
+FAULT_KINDS = ("pause", "slow", "lost", "jump", "drift", "silent", "restart", "dead", "errand", "join")
 LASTING = ("dead", "errand", "join")
 """Those that do not come to an end."""
 
@@ -19,10 +19,10 @@ class Fault:
     """Something that befalls one robot.
 
     ``pause`` makes it stand for `duration`; ``slow`` lets it drive at `factor` of its commanded velocity; ``lost``
-    leaves it without a pose; ``jump`` shifts its pose by `distance` towards `direction`; ``silent`` cuts it off from
-    all others; ``restart`` ends its program, which starts anew after `duration` knowing nothing; ``dead`` ends it for
-    good. ``errand`` gives it another `goal` and ``join`` starts its program at `at`; both last for ever. The dispatcher
-    can be ``silent`` and ``restart``.
+    leaves it without a pose; ``jump`` shifts its pose by `distance` towards `direction`, and ``drift`` does so slowly,
+    and back in the second half of its `duration`; ``silent`` cuts it off from all others; ``restart`` ends its program,
+    which starts anew after `duration` knowing nothing; ``dead`` ends it for good. ``errand`` gives it another `goal`
+    and ``join`` starts its program at `at`; both last for ever. The dispatcher can be ``silent`` and ``restart``.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Fault:
     factor : float
         Of a slow robot, in (0, 1].
     distance, direction : float
-        Of a jump [m], [rad, map frame].
+        Of a jump or a drift [m], [rad, map frame].
     goal : tuple of float
         Of an errand: (x, y) or (x, y, yaw) [m, rad, map frame].
 
@@ -75,6 +75,14 @@ class Fault:
     def active(self, now: float) -> bool:
         """Whether it is in force at `now` [s]."""
         return self.at <= now < self.at + self.duration
+
+
+def pose_shift(fault: Fault, now: float) -> Tuple[float, float]:
+    """By how much a jump or a drift shifts a pose at `now` [m, map frame]."""
+    if not fault.active(now) or fault.kind not in ("jump", "drift"):
+        return 0.0, 0.0
+    share = 1.0 if fault.kind == "jump" else 1.0 - abs(2.0 * (now - fault.at) / fault.duration - 1.0)
+    return (share * fault.distance * math.cos(fault.direction), share * fault.distance * math.sin(fault.direction))
 
 
 def speed_share(faults: Sequence[Fault], robot: str, now: float) -> float:

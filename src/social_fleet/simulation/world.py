@@ -1,6 +1,5 @@
 """Several robots in one place, moved together tick by tick."""
 
-import math
 from typing import Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
@@ -11,7 +10,7 @@ from social_fleet.geometry import Pose
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.simulation.clock import TickClock
 from social_fleet.simulation.config import SimulationConfig
-from social_fleet.simulation.faults import DISPATCHER, CircleObstacle, Fault, active, speed_share
+from social_fleet.simulation.faults import DISPATCHER, CircleObstacle, Fault, active, pose_shift, speed_share
 from social_fleet.simulation.lidar import Lidar
 from social_fleet.simulation.localisation import Localisation
 from social_fleet.simulation.robot import DifferentialDriveRobot
@@ -87,14 +86,13 @@ class World:
         for fault in self._faults.get(name, ()):
             if fault.kind == "lost" and fault.active(self.clock.now):
                 return None
-            if fault.kind == "jump" and fault.active(self.clock.now):
-                pose = Pose(pose.x + fault.distance * math.cos(fault.direction),
-                            pose.y + fault.distance * math.sin(fault.direction), pose.yaw)
+            dx, dy = pose_shift(fault, self.clock.now)
+            pose = Pose(pose.x + dx, pose.y + dy, pose.yaw) if dx or dy else pose
         return pose
 
     def befalls(self, name: str, *kinds: str) -> bool:
         """Whether a fault of these kinds befalls the robot, or the dispatcher, now."""
-        return active(self._faults.get(name, ()), self.clock.now, *kinds)
+        return name in self._faults and active(self._faults[name], self.clock.now, *kinds)
 
     def poses(self) -> np.ndarray:
         """True poses [m, rad, map frame], shape (R, 3), in the robots' order."""

@@ -10,6 +10,7 @@ from social_fleet.execution.state import ProgressState
 
 _MOVED = 0.05  # a robot that has come so much further moves [m]
 _TURNED = 0.1  # or turned by so much [rad]
+_BOUND = 2.0  # within so long after it moved a robot that stands at its promise stands because of that [s]
 _LONGEST_PATIENCE = 60.0  # [s]
 
 
@@ -89,7 +90,10 @@ class Charge:
         schedule = self._schedules.get(report.version)
         if schedule is None or report.stamp < schedule.times[0]:
             return True
-        return report.arc_length >= min(report.bound, float(schedule.arc_length(report.stamp))) - _MOVED
+        if report.arc_length >= float(schedule.arc_length(report.stamp)) - _MOVED:
+            return True
+        came = report.stamp - self._moved_at < _BOUND  # it drove up to its promise: one that stood before stands on
+        return came and report.arc_length >= report.bound - _MOVED
 
     @property
     def schedule(self) -> Optional[Schedule]:

@@ -90,7 +90,12 @@ class Dispatcher:
             return None
         self._said = now
         return Directive(now, {name: charge.report.stamp for name, charge in self._charges.items()}, self._exchange,
-                         dict(self.assignments), self._sightings.obstacles)
+                         dict(self.assignments), self._sightings.obstacles, tuple(sorted(self._missing)))
+
+    @property
+    def _missing(self) -> Set[str]:
+        """Robots that schedules name and that were never heard of."""
+        return self._mentioned - set(self._charges)
 
     def _live(self, now: float) -> List[Charge]:
         """Robots that are heard of."""
@@ -102,7 +107,7 @@ class Dispatcher:
         live = self._live(now)
         if not live or any(now - charge.known_since < _GATHERING for charge in live):
             return None
-        if self._mentioned - set(self._charges) and now - (self._began or 0.0) < self.config.gone:
+        if self._missing and now - (self._began or 0.0) < self.config.gone:
             return None  # just started: who was not heard of yet may still drive
         names = [charge.name for charge in live]
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
@@ -118,7 +123,7 @@ class Dispatcher:
             if not causes and silent - self._silent:
                 causes[names[0]] = f"takes note that {', '.join(sorted(silent - self._silent))} is silent"
         for name in sorted(silent - self._silent):
-            self._sightings.put(name, self._spots(self._charges[name]))
+            self._sightings.put(name, self._spots(self._charges[name]), now)
         for name in sorted(self._silent - silent):
             self._sightings.drop(name)
         self._silent, self._standing = silent, standing
@@ -130,7 +135,7 @@ class Dispatcher:
         report, given = charge.report, self.assignments.get(charge.name)
         errand = report.errand.number if report.errand is not None else 0
         if given is not None and given.session == report.session:
-            return "has a new goal" if errand > given.errand else ""
+            return _changed_errand(errand, given.errand)
         if report.astray:
             return "stands off its path"
         if report.lapsed:
@@ -139,8 +144,8 @@ class Dispatcher:
             return "has no schedule"
         if report.version < self._exchange:
             return "follows an old schedule"
-        if errand > report.serving:
-            return "has a new goal"
+        if errand != report.serving:
+            return _changed_errand(errand, report.serving)
         if now - charge.replanned < self.config.retry * charge.pauses:
             return ""
         if report.unserved and errand:
@@ -184,7 +189,7 @@ class Dispatcher:
         request = Request(
             self._exchange, now, remaining, need, rests={charge.name: self._rest(charge, now) for charge in live},
             obstacles=self._sightings.beside(charge.report for charge in live), standing=self._places(live, now),
-            doubtful=self._sightings.doubtful, silent=self._silent,
+            doubtful=self._sightings.doubtful(now), silent=self._silent,
             give_up=frozenset(charge.name for charge in live if charge.hopeless(now)))
         self.assignments = self._replanning.assignments(request)
         for charge in live:
@@ -217,3 +222,10 @@ class Dispatcher:
             item = Remaining.of(report, charge.schedule)
             spots += stretch(item.prefix if math.isfinite(report.bound) else item.way, reach)
         return tuple(DiscObstacle(x, y, report.body.radius + _ROOM - SPARE) for x, y in spots)
+
+
+def _changed_errand(number: int, served: int) -> str:
+    """What is new about an errand other than the one that is served, or will be; 0 is none."""
+    if number == served:
+        return ""
+    return "has a new goal" if number else "has no goal any more"

@@ -4,7 +4,7 @@ doc/execution.md has the protocol and why it is safe whatever is lost, late or r
 """
 
 import math
-from typing import Dict, Mapping, Optional, Tuple
+from typing import Dict, List, Mapping, Optional, Tuple
 
 from social_fleet.execution.course import distance
 from social_fleet.execution.gate import ReportedProgress
@@ -97,6 +97,10 @@ class Member:
         self.bound, self.lapsed, self._standing = math.inf, False, False
         self._astray_since = math.inf
         return given
+
+    def remembered(self, directive: Directive) -> List[Report]:
+        """Reports to pass on: the latest of robots that the dispatcher misses."""
+        return [self.others[name] for name in directive.missing if name in self.others]
 
     def hear_report(self, report: Report) -> None:
         """Take in what another robot says; older news than known is passed over."""

@@ -150,6 +150,9 @@ class Directive:
         For robots that have not confirmed theirs yet.
     obstacles : mapping of str to DiscObstacle
         What all robots have seen, for those that can see whether it is still there.
+    missing : tuple of str
+        Robots that schedules name and that were never heard of, since the dispatcher started anew: who has heard of
+        one passes on its latest report.
     """
 
     stamp: float
@@ -157,3 +160,4 @@ class Directive:
     exchange: int = 0
     assignments: Mapping[str, Assignment] = field(default_factory=dict)
     obstacles: Mapping[str, DiscObstacle] = field(default_factory=dict)
+    missing: Tuple[str, ...] = ()

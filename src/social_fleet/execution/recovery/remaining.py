@@ -5,7 +5,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from social_fleet.coordination.repair import PlannerReplanner, Replanner
+from social_fleet.coordination.replanning import PlannerReplanner, Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import Schedule
 from social_fleet.coordination.timing import ACCELERATION_SHARE, Timing

@@ -6,6 +6,7 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Sequence, Set, Tuple
 from social_fleet.execution.recovery.messages import Report
 from social_fleet.planning.overlays.shapes import DiscObstacle
 
+_DOUBT = 30.0  # after so long a silent robot need not be where nobody has looked [s]
 SPARE = 0.1  # what is kept from obstacles, of which one side is seen only [m]
 
 
@@ -25,6 +26,7 @@ class Sightings:
         self.version = 0
         self._gone: Set[str] = set()
         self._silent = 0
+        self._silent_since: Dict[str, float] = {}
 
     def hear(self, report: Report) -> None:
         """Take in what a robot sees, and what it sees gone."""
@@ -37,17 +39,18 @@ class Sightings:
             self.obstacles = found
             self.version += 1
 
-    def put(self, name: str, shapes: Sequence[DiscObstacle]) -> None:
-        """Places where the robot `name`, which is silent, may be, until somebody sees that it is not."""
+    def put(self, name: str, shapes: Sequence[DiscObstacle], now: float) -> None:
+        """Places where the robot `name`, silent at `now` [s], may be, until somebody sees that it is not."""
         self.drop(name)
+        self._silent_since[name] = now
         self._silent += 1
         self.obstacles.update({f"{name}#{self._silent}/{number}": shape for number, shape in enumerate(shapes)})
         self.version += 1
 
-    @property
-    def doubtful(self) -> FrozenSet[str]:
-        """Names of places where a silent robot may be, all but the one that it last reported."""
-        return frozenset(key for key in self.obstacles if "#" in key and not key.endswith("/0"))
+    def doubtful(self, now: float) -> FrozenSet[str]:
+        """Names of places where one that has long been silent may be, all but the one that it last reported."""
+        return frozenset(key for key in self.obstacles if "#" in key and not key.endswith("/0")
+                         and now - self._silent_since[key.split("#")[0]] >= _DOUBT)
 
     def places(self, name: str) -> Tuple[DiscObstacle, ...]:
         """Where the robot `name`, which is silent, may be."""

@@ -1,0 +1,117 @@
+"""Fleets that no schedule fits on their own paths, and the turns that they could take; judged from the motion alone."""
+
+from typing import Callable, List, Optional, Tuple
+
+import numpy as np
+import pytest
+from fleets import robot
+from worlds import grid_from_text
+
+from social_fleet.coordination.coordinator import coordinate
+from social_fleet.coordination.encounters import EncounterFinder
+from social_fleet.coordination.replanning import PlannerReplanner
+from social_fleet.coordination.robot import Robot
+from social_fleet.coordination.turn_taking import TurnTaking
+from social_fleet.coordination.turns import Turn, sides_of
+from social_fleet.coordination.verification import verify
+from social_fleet.planning.config import PlannerConfig
+from social_fleet.planning.planner import SocialPlanner
+
+SIDING = """
+    ######################
+    #.####.######.####.###
+    #.####.######.####.###
+    #....................#
+    ######################
+"""
+CORRIDOR = """
+    ######################
+    #....................#
+    ######################
+"""
+DISTANCE = 0.7  # that robots of 0.25 m keep: their radii and twice the tolerance [m]
+
+
+def replanner(text: str) -> PlannerReplanner:
+    coarse = grid_from_text(text, 1.0)
+    grid = type(coarse)(np.kron(coarse.values, np.ones((4, 4), dtype=np.int8)), 0.25, coarse.origin)
+    planner = SocialPlanner(grid, PlannerConfig(robot_radius=0.25))
+    return PlannerReplanner(lambda radius: planner)
+
+
+def lane(*ends: Tuple[float, float]) -> List[Robot]:
+    return [robot(f"robot_{index}", (start, 1.5), (goal, 1.5)) for index, (start, goal) in enumerate(ends)]
+
+
+def turns_of(robots: List[Robot], text: str, *, planned: Optional[int] = None,
+             expired: Callable[[], bool] = lambda: False) -> Tuple[Optional[List[Robot]], List[Turn]]:
+    search = TurnTaking(robots, len(robots) if planned is None else planned, replanner(text),
+                        EncounterFinder(0.1).safety_distance, expired)
+    return search.find(), list(search.turns)
+
+
+def check(before: List[Robot], after: Optional[List[Robot]], turns: List[Turn]) -> None:
+    """Drive the turns one after the other: nobody comes near one that stands, and all arrive."""
+    assert after is not None
+    at = [0.0] * len(after)
+    for turn in turns:
+        assert turn.low == pytest.approx(at[turn.robot], abs=1e-6)
+        way = after[turn.robot].path.position(np.arange(turn.low, turn.high, 0.01))
+        for other in range(len(after)):
+            if other != turn.robot and len(way):
+                gaps = way - after[other].path.position(at[other])
+                assert np.hypot(gaps[:, 0], gaps[:, 1]).min() >= DISTANCE - 1e-3
+        at[turn.robot] = turn.high
+    assert at == pytest.approx([robot_.path.length for robot_ in after], abs=1e-6)
+    for one, other in zip(before, after):
+        assert np.array_equal(one.path.points[[0, -1]], other.path.points[[0, -1]])
+
+
+HEAD_ON = [(2.5, 18.5), (19.5, 3.5)]
+REVERSED = [(3.5, 19.5), (5.0, 16.5), (8.5, 14.5), (10.5, 4.0)]
+SWAPPED_IN_A_ROW = [(2.5, 8.5), (8.5, 2.5), (12.5, 19.5), (19.5, 12.5)]
+
+
+@pytest.mark.parametrize("ends", [HEAD_ON, REVERSED, SWAPPED_IN_A_ROW])
+def test_turns_in_a_lane_with_sidings(ends: List[Tuple[float, float]]) -> None:
+    robots = lane(*ends)
+    after, turns = turns_of(robots, SIDING)
+    check(robots, after, turns)
+    assert after is not None
+    encounters = EncounterFinder(0.1).find(after)
+    assert len(encounters) and (sides_of(turns, after, encounters) >= 0).all()
+
+
+def test_those_that_are_in_nobody_s_way_keep_their_paths() -> None:
+    robots = lane(*HEAD_ON) + [robot("away", (1.5, 2.5), (1.5, 3.5))]
+    after, turns = turns_of(robots, SIDING)
+    check(robots, after, turns)
+    assert after is not None and after[2] is robots[2]
+
+
+def test_where_nobody_can_step_aside_there_are_no_turns() -> None:
+    assert turns_of(lane(*HEAD_ON), CORRIDOR)[0] is None
+
+
+def test_one_under_way_does_not_wait_for_others_to_make_way() -> None:
+    assert turns_of(lane(*HEAD_ON), SIDING, planned=1)[0] is None
+    clear = lane((2.5, 5.0), (16.5, 9.5))
+    after, turns = turns_of(clear, SIDING, planned=1)
+    check(clear, after, turns)
+    assert turns[0].robot == 1, "the one under way comes first"
+
+
+def test_it_gives_up_when_its_time_is_over() -> None:
+    assert turns_of(lane(*HEAD_ON), SIDING, expired=lambda: True)[0] is None
+
+
+def test_a_fleet_that_one_changed_path_does_not_help_gets_a_schedule() -> None:
+    robots = lane(*REVERSED)
+    fleet = coordinate(robots, replanner=replanner(SIDING))
+    assert verify(fleet).min_clearance >= 0.2 - 1e-6
+    assert fleet.message
+
+
+def test_the_same_turns_whatever_was_tried_before() -> None:
+    first, second = turns_of(lane(*REVERSED), SIDING), turns_of(lane(*REVERSED), SIDING)
+    assert first[1] == second[1]
