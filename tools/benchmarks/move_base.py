@@ -16,7 +16,7 @@ from .worlds import ROOT, map_files, planner
 
 GOALS = 20
 NEAREST, FARTHEST = 8.0, 25.0  # [m] of path from one goal to the next
-FACTOR = 2.0  # simulated over wall time
+FACTOR = 3.0  # simulated over wall time
 WITHIN = 0.3  # [m] of the goal
 WANTED = 1.2  # time of the plugin / time of PlanPath alone
 Point = Tuple[float, float]
