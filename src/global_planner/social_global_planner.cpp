@@ -149,7 +149,7 @@ bool SocialGlobalPlanner::makePlan(const geometry_msgs::PoseStamped& start, cons
   else if (isTrouble(answer.response.status))
     found = fallBack(answer.response.message, start, goal, plan, cost);
   else
-    found = takePath(answer, plan, cost);
+    found = takePath(answer, start.header.stamp, plan, cost);
   publish(plan);
   return found;
 }
@@ -167,7 +167,7 @@ bool SocialGlobalPlanner::serveMakePlan(nav_msgs::GetPlanRequest& request, nav_m
   const Answer answer = ask(start, request.goal, request.tolerance, true);
   double cost;
   if (answer.came)
-    takePath(answer, response.plan.poses, cost);
+    takePath(answer, start.header.stamp, response.plan.poses, cost);
   else
     ROS_WARN_THROTTLE(WARNING_PERIOD, "make_plan: the social planner did not answer: %s", answer.reason.c_str());
   return true;
@@ -209,7 +209,8 @@ Obstacles SocialGlobalPlanner::unknownObstacles(const geometry_msgs::Point& robo
   return obstacles;
 }
 
-bool SocialGlobalPlanner::takePath(const Answer& answer, std::vector<geometry_msgs::PoseStamped>& plan, double& cost)
+bool SocialGlobalPlanner::takePath(const Answer& answer, const ros::Time& stamp,
+                                   std::vector<geometry_msgs::PoseStamped>& plan, double& cost)
 {
   plan.clear();
   const PlanPathResponse& response = answer.response;
@@ -232,7 +233,6 @@ bool SocialGlobalPlanner::takePath(const Answer& answer, std::vector<geometry_ms
   if (!response.message.empty())
     ROS_INFO("%s", response.message.c_str());
   cost = response.length + response.social_cost;
-  const ros::Time now = ros::Time::now();
   for (const geometry_msgs::PoseStamped& pose : response.path.poses)
   {
     // Local planners look at the poses that lie about the robot, so that there have to be some everywhere.
@@ -250,7 +250,7 @@ bool SocialGlobalPlanner::takePath(const Answer& answer, std::vector<geometry_ms
     }
     plan.push_back(pose);
     plan.back().header.frame_id = frame_;
-    plan.back().header.stamp = now;
+    plan.back().header.stamp = stamp;
   }
   return !plan.empty();
 }

@@ -59,8 +59,14 @@ private:
   Answer ask(const geometry_msgs::PoseStamped& start, const geometry_msgs::PoseStamped& goal, double tolerance,
              bool inquiry);
 
-  /** The path of an answer, as local planners want it; false and a word in the log where there is none. */
-  bool takePath(const Answer& answer, std::vector<geometry_msgs::PoseStamped>& plan, double& cost);
+  /**
+   * The path of an answer, as local planners want it; false and a word in the log where there is none.
+   *
+   * @param stamp of all poses: that of the start, for which tf knows where the robot was. Local planners look up the
+   *   path at that time, and the present may be too early for tf.
+   */
+  bool takePath(const Answer& answer, const ros::Time& stamp, std::vector<geometry_msgs::PoseStamped>& plan,
+                double& cost);
 
   /** What the fallback planner says to a question that the planner did not answer. */
   bool fallBack(const std::string& why, const geometry_msgs::PoseStamped& start,

@@ -142,9 +142,11 @@ class MoveBaseTest(unittest.TestCase):
     def test_d_make_plan_while_driving(self) -> None:
         self.send(*EAST)
         wait_until(lambda: self.where()[0] > WEST[0] + 0.5, "the robot to drive")
-        self.assertTrue(self.make_plan(stamped(*WEST), stamped(*EAST), 0.0).plan.poses)
-        self.move_base.cancel_all_goals()
         own = service("gold/move_base/make_plan", GetPlan)
+        self.assertTrue(self.make_plan(stamped(*WEST), stamped(*EAST), 0.0).plan.poses)
+        with self.assertRaises(rospy.ServiceException):
+            own(PoseStamped(), stamped(*EAST), 0.0)
+        self.move_base.cancel_all_goals()
         wait_until(lambda: self.move_base.get_state() == GoalStatus.PREEMPTED, "the robot to stop")
         self.assertTrue(own(PoseStamped(), stamped(*EAST), 0.0).plan.poses)
 

@@ -182,6 +182,17 @@ class Localisation:
         self.largest_after = float(way[way >= driven][gaps[way >= driven].argmax()])
         return gaps[way >= driven]
 
+    def fitted(self, robot: str) -> Callable[[np.ndarray], np.ndarray]:
+        """From the world to the map that tf tells of: the turn and shift that fit the robot's track best."""
+        index, told = self._robots.index(robot), dict(self._told[robot])
+        times = sorted(time_ for time_ in told if time_ in self._truth)
+        truth = np.array([self._truth[time_][index] for time_ in times])
+        found = np.array([told[time_] for time_ in times])
+        centres = truth.mean(axis=0), found.mean(axis=0)
+        left, _, right = np.linalg.svd((truth - centres[0]).T @ (found - centres[1]))
+        turn = (left @ right).T
+        return lambda place: turn @ (place - centres[0]) + centres[1]
+
     def driven(self, robot: str) -> float:
         """How far it has come [m]."""
         track = self._track()[:, self._robots.index(robot)]

@@ -100,11 +100,11 @@ class FleetTopics:
         transforms = []
         for topics in robots:
             robot = topics.robot
+            # The map first: who looks between the two gets a pose in odom that can be brought into the map.
+            if topics.estimate is not None:
+                origin = compose(topics.estimate, inverse(robot.odometry))
+                transforms.append(_transform(stamp, self.map_frame, topics.odom_frame, origin))
             transforms.append(_transform(stamp, topics.odom_frame, topics.base_frame, robot.odometry))
-            if topics.estimate is None:
-                continue
-            origin = compose(topics.estimate, inverse(robot.odometry))
-            transforms.append(_transform(stamp, self.map_frame, topics.odom_frame, origin))
         self._tf.publish(TFMessage(transforms))
 
     def publish_truth(self, stamp: genpy.Time, poses: Sequence[Any]) -> None:
