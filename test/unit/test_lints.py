@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Set, Tuple
 from xml.etree import ElementTree
 
 import pytest
@@ -42,8 +42,7 @@ def test_catkin_lint() -> None:
 @pytest.mark.parametrize("path", LAUNCH, ids=lambda path: path.stem)
 def test_roslaunch_check(path: Path, tmp_path: Path) -> None:
     from roslaunch.rlutil import check_roslaunch
-    wanted = {node.get("pkg", "") for node in ElementTree.parse(path).iter("node")}
-    missing = [package for package in sorted(wanted) if "$(" not in package and not is_there(package)]
+    missing = [package for package in sorted(packages(path)) if "$(" not in package and not is_there(package)]
     if missing:
         pytest.skip(f"{path.name}: rospack does not find {', '.join(missing)}")
     folder = ROOT / "build" / "test_results"  # the check looks for the package that a file is in
@@ -53,6 +52,17 @@ def test_roslaunch_check(path: Path, tmp_path: Path) -> None:
     assert not check_roslaunch(str(wrapper))
     files = subprocess.run(("roslaunch", "--files", str(wrapper)), capture_output=True, text=True, timeout=60)
     assert files.returncode == 0 and str(path) in files.stdout, files.stderr
+
+
+def packages(path: Path) -> Set[str]:
+    """The packages whose nodes a launch file starts, by itself or through the package's others that it includes."""
+    root = ElementTree.parse(path)
+    names = {node.get("pkg", "") for node in root.iter("node")}
+    for include in root.iter("include"):
+        file = include.get("file", "")
+        if file.startswith("$(find social_fleet)"):
+            names |= packages(ROOT / "launch" / os.path.basename(file))
+    return names
 
 
 def wrapped(path: Path) -> str:
