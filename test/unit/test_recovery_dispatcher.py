@@ -227,3 +227,24 @@ def test_where_no_schedule_is_found_the_former_ones_stay_in_force(monkeypatch: p
         assert np.array_equal(kept.robot.path.points, old.robot.path.points)
         assert kept.robot.committed == pytest.approx(fleet.reports[name].bound)
     assert given.assignments["green"].schedule.precedences == (Precedence(6.0, "gold", 7.0, 2),)
+
+
+@pytest.mark.parametrize("unserved", ["", "gold has no way to its goal"])
+def test_a_new_goal_of_a_robot_that_is_still_blocked_is_not_given_up_with_the_former(unserved: str) -> None:
+    fleet = Fleet()
+    fleet.pass_time(4.0)
+    x = fleet.reports["gold"].arc_length + 1.0
+    held = {"arc_length": x - 1.0, "blocked": CONFIG.give_up, "unserved": unserved,
+            "obstacles": {"gold/1": DiscObstacle(x + 0.8, 2.0, 0.3)}}
+    fleet.pass_time(CONFIG.give_up, gold=held)
+    given = fleet.pass_time(1.0, gold={**held, **fleet.promise("gold", 0.0)}, green=fleet.promise("green"))
+    assert given is not None and given.assignments["gold"].final
+    kept = {name: {"version": 2, "exchange": 2, "bound": np.inf, "schedule": given.assignments[name].schedule}
+            for name in GOALS}
+    held = {"arc_length": 0.0, "blocked": held["blocked"]}
+    fleet.pass_time(2.0, green=kept["green"], gold={
+        **kept["gold"], **held, "unserved": given.assignments["gold"].reason, "final": True})
+    fleet.pass_time(1.0, gold={**held, "errand": Errand(2, (14.0, 6.5))})
+    given = fleet.pass_time(1.0, gold={**held, **fleet.promise("gold", 0.0)}, green=fleet.promise("green"))
+    gold = given.assignments["gold"]  # type: ignore[union-attr]
+    assert gold.errand == 2 and not gold.reason and not gold.final

@@ -47,6 +47,7 @@ class Charge:
         self._moved_at = report.stamp
         self._mark = report
         self._unserved_since: Optional[float] = None
+        self._errand_since = report.stamp
         self._learn(report)
 
     @property
@@ -60,6 +61,8 @@ class Charge:
             return
         if report.session != self.report.session or report.stamp - self.report.stamp > self._config.gone:
             self.known_since = report.stamp
+        if _number(report) != _number(self.report):  # what kept it from its former goal is not held against this one
+            self._errand_since, self._unserved_since = report.stamp, None
         self._learn(report)
         self.report = report
 
@@ -145,7 +148,11 @@ class Charge:
         self._schedules[assignment.schedule.version] = assignment.schedule
 
     def hopeless(self, now: float) -> bool:
-        """Whether it has had no way for so long, or stood before something, that its goal is given up."""
+        """Whether it has had no way to its present goal for so long, or stood before something, that it is given up."""
         since = self._unserved_since
         return ((since is not None and now - since >= self._config.give_up)
-                or self.report.blocked >= self._config.give_up)
+                or min(self.report.blocked, now - self._errand_since) >= self._config.give_up)
+
+
+def _number(report: Report) -> int:
+    return 0 if report.errand is None else report.errand.number
