@@ -248,3 +248,52 @@ def test_a_new_goal_of_a_robot_that_is_still_blocked_is_not_given_up_with_the_fo
     given = fleet.pass_time(1.0, gold={**held, **fleet.promise("gold", 0.0)}, green=fleet.promise("green"))
     gold = given.assignments["gold"]  # type: ignore[union-attr]
     assert gold.errand == 2 and not gold.reason and not gold.final
+
+
+def test_where_no_schedule_is_found_nobody_drives_on_to_a_goal_that_was_taken_back(
+        monkeypatch: pytest.MonkeyPatch) -> None:
+    from social_fleet.errors import TimedOut
+    from social_fleet.execution.recovery import replanning
+
+    def fails(*_: object, **__: object) -> None:
+        raise TimedOut("too slow")
+
+    monkeypatch.setattr(replanning, "coordinate", fails)
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, gold={"errand": None})
+    given = fleet.pass_time(1.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert given is not None
+    for name, assignment in given.assignments.items():
+        assert assignment.schedule.robot.path.length == pytest.approx(assignment.schedule.robot.committed), name
+    assert given.assignments["green"].reason and not given.assignments["green"].final
+
+
+def test_one_that_falls_silent_while_promises_are_awaited_is_led_round_at_once() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, green={"errand": Errand(2, (14.0, 2.0))})
+    fleet.pass_time(CONFIG.gone - 1.0, silent=("gold",), green=fleet.promise("green"))
+    assert not fleet.said[-1].assignments
+    given = fleet.pass_time(2.0, silent=("gold",))
+    assert given is not None and set(given.assignments) == {"green"} and len(fleet.dispatcher.decisions) == 1
+    points = given.assignments["green"].schedule.robot.path.position(np.linspace(1.0, 14.0, 200))
+    places = [(shape.x, shape.y) for name, shape in given.obstacles.items() if name.startswith("gold#")]
+    assert places and min(np.hypot(*(points - place).T).min() for place in places) > 0.5
+
+
+def test_one_that_never_knew_where_it_is_keeps_nobody_waiting_for_long() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    where = fleet.reports["gold"].pose
+    fleet.pass_time(3.0, gold={"session": 7, "version": 0, "schedule": None, "serving": 0, "pose": None})
+    assert not fleet.dispatcher.decisions
+    fleet.pass_time(2.0, green={"errand": Errand(2, (14.0, 6.5))})
+    fleet.pass_time(2.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert len(fleet.dispatcher.decisions) == 1 and not fleet.said[-1].assignments
+    given = fleet.pass_time(CONFIG.gone - 6.0)
+    assert given is not None and set(given.assignments) == {"green"}
+    assert where is not None and (given.obstacles["gold#1/0"].x, given.obstacles["gold#1/0"].y) == where[:2]
+    told = {"version": 2, "schedule": given.assignments["green"].schedule, "serving": 2, "bound": np.inf}
+    fleet.pass_time(2.0, green=told, gold={"pose": Pose(3.0, 2.0)})
+    assert fleet.dispatcher.decisions[1:] == ["sequential: gold has no schedule"]

@@ -7,6 +7,7 @@ from social_fleet.execution.delay_monitor import DelayMonitor
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.messages import Assignment, Report
 from social_fleet.execution.state import ProgressState
+from social_fleet.geometry import Pose
 
 _MOVED = 0.05  # a robot that has come so much further moves [m]
 _TURNED = 0.1  # or turned by so much [rad]
@@ -23,6 +24,8 @@ class Charge:
         The latest.
     known_since : float
         When it, in its present session, was first heard of [s].
+    place : Pose, optional
+        Where it last knew itself to be, in whatever session [m, rad, map frame].
     given : Assignment, optional
         The latest that was made for it.
     replanned : float
@@ -36,6 +39,7 @@ class Charge:
     def __init__(self, report: Report, config: RecoveryConfig) -> None:
         self.report = report
         self.known_since = report.stamp
+        self.place: Optional[Pose] = None
         self.given: Optional[Assignment] = None
         self.replanned = -1e9
         self.patience = config.patience
@@ -67,7 +71,8 @@ class Charge:
         self.report = report
 
     def _learn(self, report: Report) -> None:
-        """Delay and motion."""
+        """Place, delay and motion."""
+        self.place = report.pose or self.place
         if report.schedule is not None:
             self._schedules[report.version] = report.schedule
         if report.version and report.version in self._schedules:
@@ -97,6 +102,11 @@ class Charge:
             return True
         came = report.stamp - self._moved_at < _BOUND  # it drove up to its promise: one that stood before stands on
         return came and report.arc_length >= report.bound - _MOVED
+
+    @property
+    def is_homeless(self) -> bool:
+        """Whether it stands it does not know where: no schedule can begin there."""
+        return self.report.pose is None and (self.report.version == 0 or self.report.astray)
 
     @property
     def schedule(self) -> Optional[Schedule]:
