@@ -192,13 +192,18 @@ def _exceeded(recording: Recording, commands: np.ndarray, specs: Mapping[str, Ro
         for source, values in (("commands", commands[:, index]), ("motion", motion)):
             for axis, what in ((0, "speed"), (1, "turn rate")):
                 column = values[:, axis]
-                if np.nanmax(np.abs(column), initial=0.0) > most[axis] + _ROUNDING:
+                if _most(np.abs(column)) > most[axis] + _ROUNDING:
                     found.append(f"robot {name}: {source} exceed the {what}")
-                if np.nanmax(np.abs(np.diff(column)), initial=0.0) > changes[axis] + 1e-5:
+                if _most(np.abs(np.diff(column))) > changes[axis] + 1e-5:
                     found.append(f"robot {name}: {source} exceed the acceleration of {what}")
-        if np.nanmin(commands[:, index, 0], initial=0.0) < 0.0:
+        if _most(-commands[:, index, 0]) > 0.0:
             found.append(f"robot {name} is commanded backwards")
     return found
+
+
+def _most(values: np.ndarray) -> float:
+    """The greatest of the values that are known, 0 at least."""
+    return float(values[~np.isnan(values)].max(initial=0.0))
 
 
 def _sentence(contact: Contact) -> str:
