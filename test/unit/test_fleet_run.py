@@ -102,6 +102,8 @@ def test_without_a_dispatcher_all_stand_and_with_one_they_go_on(kind: str) -> No
 def test_a_jump_is_stopped_for_and_moves_no_progress() -> None:
     faulty = run(Fault("gold", "jump", 6.0, 6.0, distance=1.5, direction=0.0))
     assert faulty.verdict.passed, faulty.verdict.failures
+    jumped = (faulty.recording.times > 7.5) & (faulty.recording.times < 12.0)
+    assert np.ptp(faulty.recording.poses[jumped][:, 0, :2], axis=0).max() < 1e-9
 
 
 @pytest.mark.parametrize("seed", range(6))

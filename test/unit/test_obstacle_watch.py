@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from social_fleet.execution.obstacle_watch import ObstacleWatch
+from social_fleet.execution.recovery.config import RecoveryConfig
+from social_fleet.execution.recovery.messages import Body
+from social_fleet.execution.tracker import Tracker
 from social_fleet.geometry import Pose
 from social_fleet.planning.overlays.shapes import DiscObstacle
+from social_fleet.scenario.agent import Agent
 from social_fleet.simulation.sight import hits
 
 HERE = Pose(0.0, 0.0, 0.0)
@@ -67,3 +71,14 @@ def test_what_others_have_cleared_is_forgotten() -> None:
     found = watch(lambda now: seen(THING), np.arange(0.0, 3.0, 0.25))
     found.forget(["gold/1"])
     assert not found.obstacles
+
+
+def test_a_program_that_starts_anew_gives_other_names() -> None:
+    """What was seen to be gone under a name never counts again."""
+    names = []
+    for session in (3, 4):
+        agent = Agent("gold", Body(), Tracker(), session, RecoveryConfig(), None)
+        for now in np.arange(0.0, 4.0, 0.25):
+            agent.step(now, HERE, HERE, np.array([(0.0, 0.0, 0.25), (1.5, 0.5, 0.3)]), 0)
+        names += agent.member.obstacles
+    assert len(set(names)) == 2

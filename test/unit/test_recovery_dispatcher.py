@@ -227,3 +227,73 @@ def test_where_no_schedule_is_found_the_former_ones_stay_in_force(monkeypatch: p
         assert np.array_equal(kept.robot.path.points, old.robot.path.points)
         assert kept.robot.committed == pytest.approx(fleet.reports[name].bound)
     assert given.assignments["green"].schedule.precedences == (Precedence(6.0, "gold", 7.0, 2),)
+
+
+@pytest.mark.parametrize("unserved", ["", "gold has no way to its goal"])
+def test_a_new_goal_of_a_robot_that_is_still_blocked_is_not_given_up_with_the_former(unserved: str) -> None:
+    fleet = Fleet()
+    fleet.pass_time(4.0)
+    x = fleet.reports["gold"].arc_length + 1.0
+    held = {"arc_length": x - 1.0, "blocked": CONFIG.give_up, "unserved": unserved,
+            "obstacles": {"gold/1": DiscObstacle(x + 0.8, 2.0, 0.3)}}
+    fleet.pass_time(CONFIG.give_up, gold=held)
+    given = fleet.pass_time(1.0, gold={**held, **fleet.promise("gold", 0.0)}, green=fleet.promise("green"))
+    assert given is not None and given.assignments["gold"].final
+    kept = {name: {"version": 2, "exchange": 2, "bound": np.inf, "schedule": given.assignments[name].schedule}
+            for name in GOALS}
+    held = {"arc_length": 0.0, "blocked": held["blocked"]}
+    fleet.pass_time(2.0, green=kept["green"], gold={
+        **kept["gold"], **held, "unserved": given.assignments["gold"].reason, "final": True})
+    fleet.pass_time(1.0, gold={**held, "errand": Errand(2, (14.0, 6.5))})
+    given = fleet.pass_time(1.0, gold={**held, **fleet.promise("gold", 0.0)}, green=fleet.promise("green"))
+    gold = given.assignments["gold"]  # type: ignore[union-attr]
+    assert gold.errand == 2 and not gold.reason and not gold.final
+
+
+def test_where_no_schedule_is_found_nobody_drives_on_to_a_goal_that_was_taken_back(
+        monkeypatch: pytest.MonkeyPatch) -> None:
+    from social_fleet.errors import TimedOut
+    from social_fleet.execution.recovery import replanning
+
+    def fails(*_: object, **__: object) -> None:
+        raise TimedOut("too slow")
+
+    monkeypatch.setattr(replanning, "coordinate", fails)
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, gold={"errand": None})
+    given = fleet.pass_time(1.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert given is not None
+    for name, assignment in given.assignments.items():
+        assert assignment.schedule.robot.path.length == pytest.approx(assignment.schedule.robot.committed), name
+    assert given.assignments["green"].reason and not given.assignments["green"].final
+
+
+def test_one_that_falls_silent_while_promises_are_awaited_is_led_round_at_once() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    fleet.pass_time(1.0, green={"errand": Errand(2, (14.0, 2.0))})
+    fleet.pass_time(CONFIG.gone - 1.0, silent=("gold",), green=fleet.promise("green"))
+    assert not fleet.said[-1].assignments
+    given = fleet.pass_time(2.0, silent=("gold",))
+    assert given is not None and set(given.assignments) == {"green"} and len(fleet.dispatcher.decisions) == 1
+    points = given.assignments["green"].schedule.robot.path.position(np.linspace(1.0, 14.0, 200))
+    places = [(shape.x, shape.y) for name, shape in given.obstacles.items() if name.startswith("gold#")]
+    assert places and min(np.hypot(*(points - place).T).min() for place in places) > 0.5
+
+
+def test_one_that_never_knew_where_it_is_keeps_nobody_waiting_for_long() -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    where = fleet.reports["gold"].pose
+    fleet.pass_time(3.0, gold={"session": 7, "version": 0, "schedule": None, "serving": 0, "pose": None})
+    assert not fleet.dispatcher.decisions
+    fleet.pass_time(2.0, green={"errand": Errand(2, (14.0, 6.5))})
+    fleet.pass_time(2.0, gold=fleet.promise("gold"), green=fleet.promise("green"))
+    assert len(fleet.dispatcher.decisions) == 1 and not fleet.said[-1].assignments
+    given = fleet.pass_time(CONFIG.gone - 6.0)
+    assert given is not None and set(given.assignments) == {"green"}
+    assert where is not None and (given.obstacles["gold#1/0"].x, given.obstacles["gold#1/0"].y) == where[:2]
+    told = {"version": 2, "schedule": given.assignments["green"].schedule, "serving": 2, "bound": np.inf}
+    fleet.pass_time(2.0, green=told, gold={"pose": Pose(3.0, 2.0)})
+    assert fleet.dispatcher.decisions[1:] == ["sequential: gold has no schedule"]

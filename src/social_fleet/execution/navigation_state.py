@@ -60,7 +60,13 @@ _NEXT: Mapping[NavigationState, FrozenSet[NavigationState]] = {
 
 @dataclass(frozen=True)
 class NavigationConfig(Parameters):
-    """How long a goal is worth trying for."""
+    """How long a goal is worth trying for; config/navigator.yaml says when to change what.
+
+    Raises
+    ------
+    InvalidParameter
+        When a value is of a wrong type or out of range; `field` names it.
+    """
 
     patience: float = parameter(20.0, minimum=0.0)  # without any answer of planner or fleet [s]
     waiting_patience: float = parameter(240.0, minimum=0.0)  # where the robot cannot go on [s]

@@ -35,7 +35,8 @@ class ObstacleWatch:
     Parameters
     ----------
     name : str
-        The robot's; begins the names of its obstacles.
+        Begins the names of its obstacles: the robot's, and what no earlier program of it has used, for a name that was
+        seen to be gone is never taken up again.
     settle : float
         How long something has to stand still, or a place to be seen empty, before that counts [s].
     reach : float

@@ -59,15 +59,15 @@ class Eyes:
     """Keeps what the last scan hit, where the robot was then, and what that means.
 
     Without a map there are no obstacles for the fleet, and walls stop the robot like anything else. Without any scan so
-    far the robot is taken to have no lidar.
+    far the robot is taken to have no lidar; one whose scans cannot be placed on the map stands.
 
     Subscribers
         scan (sensor_msgs/LaserScan), map (nav_msgs/OccupancyGrid).
 
     Parameters
     ----------
-    robot, radius
-        Its name, and the radius of its disc [m].
+    name, radius
+        What the names of its obstacles begin with, see `ObstacleWatch`, and the radius of the robot's disc [m].
     clock, frames
         Of the node.
     config
@@ -79,16 +79,17 @@ class Eyes:
         Why the view is not free, as a sentence.
     """
 
-    def __init__(self, robot: str, radius: float, clock: FleetClock, frames: Frames, config: EyesParameters) -> None:
+    def __init__(self, name: str, radius: float, clock: FleetClock, frames: Frames, config: EyesParameters) -> None:
         self.reason = ""
         self._config, self._clock, self._frames = config, clock, frames
         self._stop = LidarStop(radius, margin=config.margin, standoff=config.standoff, reach=config.reach)
-        self._watch = ObstacleWatch(robot)
+        self._watch = ObstacleWatch(name)
         self._known: Mapping[str, DiscObstacle] = {}
         self._lock = threading.Lock()
         self._poses: Deque[Tuple[float, Pose]] = deque(maxlen=_MEMORY)
         self._points = np.zeros((0, 2))
-        self._scanned: Optional[float] = None
+        self._has_lidar = False
+        self._scanned: Optional[float] = None  # when the last scan was that could be placed on the map [s]
         self._mount: Optional[Pose] = None  # of the sensor on the robot
         self._base = ""
         self._grid: Optional[OccupancyGrid] = None
@@ -133,10 +134,10 @@ class Eyes:
             self._base = base
         with self._lock:
             points, scanned = self._points, self._scanned
-        if scanned is None or tracker.schedule is None:
+        if not self._has_lidar or tracker.schedule is None:
             return FREE
-        if now - scanned > self._config.timeout:
-            self.reason = "the lidar says nothing"
+        if scanned is None or now - scanned > self._config.timeout:
+            self.reason = "the lidar says nothing" if self._mount is not None else "its lidar's place on it is unknown"
             return View(-math.inf, 0.0)
         if pose is None:
             return FREE
@@ -174,6 +175,7 @@ class Eyes:
 
     def _hear_scan(self, message: LaserScan) -> None:
         """Place the hits on the map, and leave out those of walls."""
+        self._has_lidar = True
         stamp = self._clock.seconds(message.header.stamp)
         pose = self._pose_at(stamp, conversions.frame_name(message.header.frame_id))
         if pose is None:

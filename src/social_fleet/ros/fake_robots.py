@@ -24,7 +24,7 @@ from social_fleet.ros.fake_robot_topics import FleetTopics, RobotTopics
 from social_fleet.ros.paths import resolve_path
 from social_fleet.scenario.files import Scenario, load_scenario
 from social_fleet.simulation.config import LidarConfig, SimulationConfig
-from social_fleet.simulation.faults import CircleObstacle, Fault, speed_share
+from social_fleet.simulation.faults import CircleObstacle, Fault, pose_shift, speed_share
 from social_fleet.simulation.lidar import Lidar
 from social_fleet.simulation.world import World
 
@@ -190,9 +190,8 @@ class FakeRobots:
                 continue
             if fault.kind == "lost":
                 return None
-            if fault.kind == "jump":
-                pose = Pose(pose.x + fault.distance * math.cos(fault.direction),
-                            pose.y + fault.distance * math.sin(fault.direction), pose.yaw)
+            dx, dy = pose_shift(fault, now)
+            pose = Pose(pose.x + dx, pose.y + dy, pose.yaw)
         return pose
 
     def _due(self, rate: float) -> bool:

@@ -15,7 +15,13 @@ NAVIGATIONS = ("move_base", "navigator", "tracker", "none")
 
 @dataclass(frozen=True)
 class FleetRobot(Parameters):
-    """One robot of a fleet file."""
+    """One robot of a fleet file.
+
+    Raises
+    ------
+    InvalidParameter
+        When a value is of a wrong type or out of range; `field` names it.
+    """
 
     start: Tuple[float, ...]  # x, y and yaw [m, m, rad, map frame]
     radius: float = parameter(0.25, above=0.0)  # [m]

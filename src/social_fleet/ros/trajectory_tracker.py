@@ -1,5 +1,6 @@
 """The node trajectory_tracker, one per robot: drives it along its schedule, and holds to what it promises the fleet."""
 
+import math
 import threading
 import time
 from dataclasses import dataclass
@@ -81,7 +82,7 @@ class TrajectoryTracker:
         self._stopped = False
         self._heard_odom: Optional[float] = None
         self._frames = Frames(frame)
-        self._eyes = Eyes(self.robot, self._config.radius, self._clock, self._frames, eyes)
+        self._eyes = Eyes(f"{self.robot}/{self._member.session}", self._config.radius, self._clock, self._frames, eyes)
         self._health = TrackerHealth(self.robot, self._tracker, config)
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._reports = TrackerReports(self._member, frame, self._clock, rate=self._config.progress_rate)
@@ -110,6 +111,8 @@ class TrajectoryTracker:
             if self._directed or (self._followed is not None and not self._supersedes(message, self._followed)):
                 return
             self._tracker.follow(schedule)
+            if self._followed is None or message.version > self._followed.version:
+                self._member.bound = math.inf  # that of an errand taken back ended with its path
             goal = schedule.robot.goal
             self._member.errand = Errand(schedule.version, tuple(goal))
             self._take_up(message)

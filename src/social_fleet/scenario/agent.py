@@ -36,7 +36,7 @@ class Agent:
                  grid: Optional[OccupancyGrid]) -> None:
         self.member = Member(name, body, tracker, session=session, config=recovery)
         self._eyes = LidarStop(body.radius)
-        self._watch = ObstacleWatch(name)
+        self._watch = ObstacleWatch(f"{name}/{session}")
         self._grid = grid
         self._known: Mapping[str, DiscObstacle] = {}
         self._followed = -1
@@ -92,7 +92,6 @@ class Agent:
             if looks and tracker.pose_believed:
                 self._looked = now
                 self._look(now, pose, truth, points, discs, own)
-        self._horizon = horizon
         return self.member.step(now, pose, horizon=horizon, ahead=ahead)
 
     def _points(self, pose: Pose, truth: Pose, discs: np.ndarray, own: int) -> np.ndarray:

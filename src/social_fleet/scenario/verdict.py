@@ -192,18 +192,18 @@ def _exceeded(recording: Recording, commands: np.ndarray, specs: Mapping[str, Ro
         for source, values in (("commands", commands[:, index]), ("motion", motion)):
             for axis, what in ((0, "speed"), (1, "turn rate")):
                 column = values[:, axis]
-                if _largest(np.abs(column)) > most[axis] + _ROUNDING:
+                if _most(np.abs(column)) > most[axis] + _ROUNDING:
                     found.append(f"robot {name}: {source} exceed the {what}")
-                if _largest(np.abs(np.diff(column))) > changes[axis] + 1e-5:
+                if _most(np.abs(np.diff(column))) > changes[axis] + 1e-5:
                     found.append(f"robot {name}: {source} exceed the acceleration of {what}")
-        if _largest(-commands[:, index, 0]) > 0.0:
+        if _most(-commands[:, index, 0]) > 0.0:
             found.append(f"robot {name} is commanded backwards")
     return found
 
 
-def _largest(values: np.ndarray) -> float:
-    """The largest of some values that are numbers; 0 when none is above."""
-    return float(np.nanmax(np.append(values, 0.0)))
+def _most(values: np.ndarray) -> float:
+    """The greatest of the values that are known, 0 at least."""
+    return float(values[~np.isnan(values)].max(initial=0.0))
 
 
 def _sentence(contact: Contact) -> str:

@@ -1,7 +1,6 @@
 """Messages between robots and dispatcher that may be lost, and come late or in another order."""
 
 import heapq
-import math
 import random
 from dataclasses import dataclass
 from typing import Any, List, Sequence, Tuple
@@ -60,8 +59,3 @@ class Network:
             _, _, receiver, message = heapq.heappop(self._under_way)
             found.append((receiver, message))
         return found
-
-    @property
-    def quiet_until(self) -> float:
-        """When the next message arrives [s]; infinite when none is under way."""
-        return self._under_way[0][0] if self._under_way else math.inf

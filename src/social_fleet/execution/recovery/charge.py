@@ -7,6 +7,7 @@ from social_fleet.execution.delay_monitor import DelayMonitor
 from social_fleet.execution.recovery.config import RecoveryConfig
 from social_fleet.execution.recovery.messages import Assignment, Report
 from social_fleet.execution.state import ProgressState
+from social_fleet.geometry import Pose
 
 _MOVED = 0.05  # a robot that has come so much further moves [m]
 _TURNED = 0.1  # or turned by so much [rad]
@@ -23,6 +24,8 @@ class Charge:
         The latest.
     known_since : float
         When it, in its present session, was first heard of [s].
+    place : Pose, optional
+        Where it last knew itself to be, in whatever session [m, rad, map frame].
     given : Assignment, optional
         The latest that was made for it.
     replanned : float
@@ -36,6 +39,7 @@ class Charge:
     def __init__(self, report: Report, config: RecoveryConfig) -> None:
         self.report = report
         self.known_since = report.stamp
+        self.place: Optional[Pose] = None
         self.given: Optional[Assignment] = None
         self.replanned = -1e9
         self.patience = config.patience
@@ -47,6 +51,7 @@ class Charge:
         self._moved_at = report.stamp
         self._mark = report
         self._unserved_since: Optional[float] = None
+        self._errand_since = report.stamp
         self._learn(report)
 
     @property
@@ -60,11 +65,14 @@ class Charge:
             return
         if report.session != self.report.session or report.stamp - self.report.stamp > self._config.gone:
             self.known_since = report.stamp
+        if _number(report) != _number(self.report):  # what kept it from its former goal is not held against this one
+            self._errand_since, self._unserved_since = report.stamp, None
         self._learn(report)
         self.report = report
 
     def _learn(self, report: Report) -> None:
-        """Delay and motion."""
+        """Place, delay and motion."""
+        self.place = report.pose or self.place
         if report.schedule is not None:
             self._schedules[report.version] = report.schedule
         if report.version and report.version in self._schedules:
@@ -94,6 +102,11 @@ class Charge:
             return True
         came = report.stamp - self._moved_at < _BOUND  # it drove up to its promise: one that stood before stands on
         return came and report.arc_length >= report.bound - _MOVED
+
+    @property
+    def is_homeless(self) -> bool:
+        """Whether it stands it does not know where: no schedule can begin there."""
+        return self.report.pose is None and (self.report.version == 0 or self.report.astray)
 
     @property
     def schedule(self) -> Optional[Schedule]:
@@ -145,7 +158,11 @@ class Charge:
         self._schedules[assignment.schedule.version] = assignment.schedule
 
     def hopeless(self, now: float) -> bool:
-        """Whether it has had no way for so long, or stood before something, that its goal is given up."""
+        """Whether it has had no way to its present goal for so long, or stood before something, that it is given up."""
         since = self._unserved_since
         return ((since is not None and now - since >= self._config.give_up)
-                or self.report.blocked >= self._config.give_up)
+                or min(self.report.blocked, now - self._errand_since) >= self._config.give_up)
+
+
+def _number(report: Report) -> int:
+    return 0 if report.errand is None else report.errand.number

@@ -103,9 +103,21 @@ class Dispatcher:
         return self._mentioned - set(self._charges)
 
     def _live(self, now: float) -> List[Charge]:
-        """Robots that are heard of."""
+        """Robots that are heard of, and know where they are or may do so soon."""
         return [charge for name, charge in sorted(self._charges.items())
-                if now - charge.report.stamp <= self.config.gone]
+                if now - charge.report.stamp <= self.config.gone
+                and not (charge.is_homeless and now - charge.known_since > self.config.gone)]
+
+    def _note_silence(self, live: List[Charge], now: float) -> FrozenSet[str]:
+        """Who takes no part, and where they may stand; those that did until now are returned."""
+        silent = frozenset(self._charges) - {charge.name for charge in live}
+        new = silent - self._silent
+        for name in sorted(new):
+            self._sightings.put(name, self._spots(self._charges[name]), now)
+        for name in sorted(self._silent - silent):
+            self._sightings.drop(name)
+        self._silent = silent
+        return new
 
     def _look(self, now: float) -> Optional[Need]:
         """Whether anything calls for an exchange."""
@@ -118,20 +130,15 @@ class Dispatcher:
         causes = {charge.name: cause for charge in live for cause in [self._cause(charge, now)] if cause}
         if _AGAIN in causes.values():  # together, for they may be in each other's way
             causes.update((charge.name, _AGAIN) for charge in live if charge.name not in causes and charge.is_unserved)
-        silent = frozenset(self._charges) - frozenset(names)
+        silent = self._note_silence(live, now)
         standing = frozenset(charge.name for charge in live if charge.rest(now) >= self.config.stuck)
-        if silent - self._silent or standing - self._standing:
-            for charge in live:
-                new = (silent - self._silent) | (standing - self._standing)
-                if charge.name not in new and charge.name not in causes and charge.waits_for(new):
-                    causes[charge.name] = "is led round " + ", ".join(sorted(new))
-            if not causes and silent - self._silent:
-                causes[names[0]] = f"takes note that {', '.join(sorted(silent - self._silent))} is silent"
-        for name in sorted(silent - self._silent):
-            self._sightings.put(name, self._spots(self._charges[name]), now)
-        for name in sorted(self._silent - silent):
-            self._sightings.drop(name)
-        self._silent, self._standing = silent, standing
+        new = silent | (standing - self._standing)
+        for charge in live:
+            if charge.name not in new and charge.name not in causes and charge.waits_for(new):
+                causes[charge.name] = "is led round " + ", ".join(sorted(new))
+        if not causes and silent:
+            causes[names[0]] = f"takes note that {', '.join(sorted(silent))} is silent"
+        self._standing = standing
         need = replan_for_paths(causes, names)
         return need if need is not None else self._delays(live, now)
 
@@ -141,6 +148,8 @@ class Dispatcher:
         errand = report.errand.number if report.errand is not None else 0
         if given is not None and given.session == report.session:
             return _changed_errand(errand, given.errand)
+        if charge.is_homeless:
+            return ""
         if report.astray:
             return "stands off its path"
         if report.lapsed:
@@ -192,8 +201,9 @@ class Dispatcher:
             return
         if any(charge.report.version and charge.schedule is None for charge in live):
             return  # nobody has said yet what it follows
-        if any(charge.report.pose is None and (charge.report.version == 0 or charge.report.astray) for charge in live):
+        if any(charge.is_homeless for charge in live):
             return  # nobody knows where it is, itself included
+        self._note_silence(live, now)  # who fell silent since the exchange was opened stands somewhere
         need, self._need = self._need, None
         remaining = [Remaining.of(charge.report, charge.schedule) for charge in live]
         request = Request(
@@ -228,7 +238,7 @@ class Dispatcher:
     def _spots(self, charge: Charge) -> Tuple[DiscObstacle, ...]:
         """Where a robot that fell silent may have come to: as far as it could drive until it had to stand."""
         report, reach = charge.report, charge.report.body.limits.max_speed * (self.config.lapse + 1.0)
-        spots: List[Tuple[float, float]] = [] if report.pose is None else [(report.pose.x, report.pose.y)]
+        spots: List[Tuple[float, float]] = [] if charge.place is None else [(charge.place.x, charge.place.y)]
         if charge.schedule is not None and not report.astray and report.state is not ProgressState.ARRIVED:
             item = Remaining.of(report, charge.schedule)
             spots += stretch(item.prefix if math.isfinite(report.bound) else item.way, reach)

@@ -135,12 +135,18 @@ class _Job:
         return robot.path.length > self._by_name[robot.name].committed + 1e-6
 
     def as_before(self) -> Optional[Dict[str, Schedule]]:
-        """The schedules in force, under a new version; None where robots follow different ones, lapsed or have none."""
+        """The schedules in force, under a new version.
+
+        None where robots follow different ones, lapsed or have none, or where one would drive to a goal that was taken
+        back.
+        """
         result: Dict[str, Schedule] = {}
         for name, item in self._by_name.items():
             schedule = item.schedule
             if schedule is None or item.report.lapsed or schedule.version != next(iter(
                     self._by_name.values())).report.version:
+                return None
+            if item.report.errand is None and item.way.length > item.committed + 1e-6:
                 return None
             rules = tuple(replace(rule, other_version=self.request.version) for rule in schedule.precedences
                           if rule.other in self._by_name)
