@@ -21,6 +21,7 @@ from social_fleet.errors import InvalidInput, SocialFleetError
 SIZES = (2, 101)
 PRINTED = 24  # robots up to which a fleet is also scheduled as printed in the paper, ...
 LIMIT = 10.0  # ... for so long at most [s]
+PATIENCE = 60.0  # for a fleet [s]
 EVERY = 50  # fleets between two summaries
 
 Say = Callable[[str], None]
@@ -78,7 +79,7 @@ class Results:
 
 def _schedule(what: str, robots: List[Robot], name: str, results: Results, say: Say) -> None:
     try:
-        schedule = coordinate(robots, replanner=PlannerReplanner(lambda radius: planner(name, radius)))
+        schedule = coordinate(robots, time_limit=PATIENCE, replanner=PlannerReplanner(lambda radius: planner(name, radius)))
     except SocialFleetError as error:
         results.failed.append(what)
         say(f"{what}: {str(error)[:400]}")
