@@ -79,7 +79,8 @@ class Results:
 
 def _schedule(what: str, robots: List[Robot], name: str, results: Results, say: Say) -> None:
     try:
-        schedule = coordinate(robots, time_limit=PATIENCE, replanner=PlannerReplanner(lambda radius: planner(name, radius)))
+        schedule = coordinate(robots, time_limit=PATIENCE,
+                              replanner=PlannerReplanner(lambda radius: planner(name, radius)))
     except SocialFleetError as error:
         results.failed.append(what)
         say(f"{what}: {str(error)[:400]}")

@@ -16,6 +16,7 @@ from social_fleet.planning.overlays.discs import Disc
 log = logging.getLogger(__name__)
 
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
+_ATTEMPTS = 4  # to find turns
 _MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
@@ -104,9 +105,12 @@ class Repairs:
             return None
         self._took_turns = names
         asked = [self._asked[robot.name] for robot in planned]
-        search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
-                            self._finder.safety_distance, self._expired)
-        found = search.find()
+        for attempt in range(_ATTEMPTS):
+            search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
+                                self._finder.safety_distance, self._expired, attempt=attempt)
+            found = search.find()
+            if found is not None:
+                break
         if found is None:
             return None
         self.turns = search.turns

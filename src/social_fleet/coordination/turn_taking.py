@@ -42,6 +42,8 @@ class TurnTaking:
         Of two robots [m].
     expired : callable
         Whether to give up.
+    attempt : int
+        Which of the parts of the map that robots could wait in to try: 0 for the one that holds most of them.
 
     Attributes
     ----------
@@ -50,10 +52,11 @@ class TurnTaking:
     """
 
     def __init__(self, robots: Sequence[Robot], planned: int, replanner: Replanner, safety_distance: Distance,
-                 expired: Callable[[], bool]) -> None:
+                 expired: Callable[[], bool], *, attempt: int = 0) -> None:
         self._robots = list(robots)
         self._replanner = replanner
         self._expired = expired
+        self._attempt = attempt
         count = len(robots)
         self._distances = np.array([[safety_distance(r, s) for s in robots] for r in robots])
         self._places = np.array([robot.path.points[0] for robot in robots])
@@ -151,7 +154,8 @@ class TurnTaking:
         labels = regions.holding(room)
         counts = np.bincount(labels[labels > 0])
         held = np.bincount(here[here > 0], minlength=len(counts))[:len(counts)]
-        inside = room[labels == np.lexsort((counts, held))[-1]]
+        ranked = [part for part in np.lexsort((counts, held))[::-1] if counts[part]]
+        inside = room[labels == ranked[self._attempt % len(ranked)]]
         return inside[np.argmin(np.hypot(*(inside - inside.mean(axis=0)).T))]
 
     def _at_hub(self, places: np.ndarray, robot: int) -> np.ndarray:
