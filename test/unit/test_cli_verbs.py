@@ -250,6 +250,17 @@ def test_coordinate_then_verify(capsys: pytest.CaptureFixture) -> None:
     assert "safe: no two robots ever come closer than" in capsys.readouterr().out
 
 
+def test_where_nobody_can_be_served_no_file_is_written(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    save_map(grid_from_text("\n".join(["#" * 12, "#" + "." * 10 + "#", "#" * 12])), str(folder / "lane.yaml"))
+    (folder / "lane_s.yaml").write_text("map: lane.yaml\nrobots:\n"
+                                        "  - {name: gold, start: [1.5, 1.5], goal: [10.4, 1.5]}\n"
+                                        "  - {name: blue, start: [10.5, 1.5], goal: [1.6, 1.5]}\n")
+    assert main(["coordinate", "lane_s.yaml", "--partial", "--out", "none.json", "--plot", "none.png"]) == 1
+    told = capsys.readouterr().out
+    assert "left out: blue" in told and "left out: gold" in told and "nobody is served" in told
+    assert not (folder / "none.json").exists() and not (folder / "none.png").exists()
+
+
 def test_options_override_the_file(capsys: pytest.CaptureFixture) -> None:
     schedule = run_json(capsys, "coordinate", "s.yaml", "--mode", "sequential", "--formulation", "paper",
                         "--time-limit", "5")

@@ -1,6 +1,7 @@
 """Messages to core values and back; what a conversion does not know, it refuses."""
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -149,6 +150,12 @@ def test_what_a_request_leaves_out_has_defaults() -> None:
     back = conversions.robot_from_planned_path(message, "map")
     assert back.start_yaw is None
     assert back.limits == Robot("gold", CORNER).limits
+
+
+def test_a_heading_left_out_in_a_recorded_message_is_none_either() -> None:
+    message = request(Robot("gold", CORNER))
+    message.start_orientation = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=0.0)  # a bag has classes of its own
+    assert conversions.robot_from_planned_path(message, "map").start_yaw is None
 
 
 @pytest.mark.parametrize("name", ["", "/gold"])

@@ -225,3 +225,12 @@ def test_the_clock_may_stand_or_jump_back() -> None:
     command = tracker.command
     assert tracker.step(99 * PERIOD, pose, {}) == command
     assert abs(tracker.step(0.0, pose, {}).speed - command.speed) <= PERIOD * LIMITS.max_acceleration + 1e-9
+
+
+@pytest.mark.parametrize("yaw", [-2.0, 1.0, 3.0])
+def test_one_that_is_to_stay_where_it_is_does_not_turn(yaw: float) -> None:
+    tracker = Tracker(schedule_of([(1.0, 2.0)]))
+    poses, commands, _ = drive(tracker, Pose(1.0, 2.0, yaw), limit=5.0)
+    assert tracker.arrived
+    assert all(command == STANDSTILL for command in commands)
+    assert (poses == poses[0]).all()

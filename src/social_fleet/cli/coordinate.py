@@ -50,14 +50,20 @@ def run(args: argparse.Namespace) -> int:
             raise
         show(args, {"map": scenario.map, "status": _STATUS[type(error)], "message": str(error), "robots": []}, [])
         return 1
+    if fleet.schedules:
+        _write(fleet, grid, scenario.name, args)
+    files = written(args.out, args.plot) if fleet.schedules else ["nobody is served, so no file is written"]
+    show(args, _as_json(fleet) if args.json else None, [*summary(fleet), *files])
+    return 1 if fleet.unserved else 0
+
+
+def _write(fleet: Any, grid: Any, title: str, args: argparse.Namespace) -> None:
     if args.out:
         from social_fleet.coordination.files import write_schedule
         write_schedule(fleet, args.out)
     if args.plot:
         from social_fleet.scenario.pictures.schedule_picture import schedule_picture
-        schedule_picture(grid, fleet, args.plot, title=scenario.name)
-    show(args, _as_json(fleet) if args.json else None, [*summary(fleet), *written(args.out, args.plot)])
-    return 1 if fleet.unserved else 0
+        schedule_picture(grid, fleet, args.plot, title=title)
 
 
 def _as_json(fleet: Any) -> Dict[str, Any]:
@@ -74,7 +80,7 @@ def summary(fleet: Any) -> List[str]:
     for window in fleet.windows:
         kinds[window.kind] = kinds.get(window.kind, 0) + 1
     meetings = ", ".join(f"{number} {kind.replace('_', ' ')}" for kind, number in sorted(kinds.items()))
-    lines = table(["robot", "m/s", "path m", "departs s", "arrives s", "waits for"], rows)
+    lines = table(["robot", "m/s", "path m", "departs s", "arrives s", "precedences"], rows)
     lines.append(f"sum of completion {fleet.sum_of_completion:.1f} s, makespan {fleet.makespan:.1f} s, "
                  f"gap {round(100.0 * fleet.gap, 4):g} %; encounters: {meetings or 'none'}")
     lines.append(f"planning {fleet.planning_time:.2f} s, encounters {fleet.encounter_time:.3f} s, "

@@ -23,9 +23,8 @@ class Stop(NamedTuple):
 
 
 def itinerary(robot: Robot, path: ReferencePath) -> List[Stop]:
-    """The stops of a robot: its start, the vertices that it turns at in place, its goal."""
-    moves = path.length > 0.0
-    departures = [Stop(leg.start, leg.headings[0] if moves else None) for leg in path.legs]
+    """The stops of a robot: its start, the vertices that it turns at in place, its goal; of one that stays, that."""
+    departures = [Stop(leg.start, leg.headings[0]) for leg in path.legs] if path.length > 0.0 else []
     return [*departures, Stop(path.length, robot.goal_yaw)]
 
 

@@ -246,7 +246,7 @@ def _robot_from(message: Any, frame: str, depart: float) -> Robot:
 
 def _optional_yaw(quaternion: Quaternion, what: str) -> Optional[float]:
     """None for the all-zero quaternion, which is what a field holds that nobody set."""
-    if quaternion == Quaternion():
+    if not any((quaternion.x, quaternion.y, quaternion.z, quaternion.w)):  # of a bag's own classes, too
         return None
     return quaternion_to_yaw(quaternion, what)
 

@@ -161,7 +161,7 @@ def _read(path: PathLike) -> _Heard:
                       if topic.strip("/").endswith(_TOPICS)]
             for topic, message, _ in bag.read_messages(topics=topics or ["fleet/progress"]):
                 _sort(heard, topic, message)
-    except (ROSBagException, OSError) as error:
+    except (ROSBagException, OSError, UnicodeDecodeError) as error:
         raise InvalidInput(f"cannot be read as a bag: {error}", source=str(path)) from error
     return heard
 

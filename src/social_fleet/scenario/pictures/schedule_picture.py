@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 from social_fleet.coordination.schedule import FleetSchedule
+from social_fleet.errors import InvalidInput
 from social_fleet.files import PathLike
 from social_fleet.mapping.grid import OccupancyGrid
 from social_fleet.scenario.pictures.colours import INK
@@ -23,8 +24,10 @@ def schedule_picture(grid: OccupancyGrid, fleet: FleetSchedule, path: PathLike, 
     Raises
     ------
     InvalidInput
-        When the file cannot be created.
+        When no robot has a schedule, or the file cannot be created.
     """
+    if not fleet.schedules:
+        raise InvalidInput("no robot has a schedule that could be drawn", source=str(path))
     save_figure(schedule_figure(grid, fleet, title=title), path, dpi=110)
 
 
