@@ -59,6 +59,7 @@ class OrderSearch:
         self._root = self.state.given
         self._cuts: Set[FrozenSet[Choice]] = set()
         self._prices: Dict[Tuple[Choice, ...], Optional[np.ndarray]] = {(): np.zeros(len(motions))}
+        self._takes_turns = False
         self._rng = np.random.RandomState(0)
         self._chains: Optional[Tuple[np.ndarray, List[np.ndarray]]] = None
         self._excluded: Set[FrozenSet[Choice]] = set()
@@ -76,7 +77,8 @@ class OrderSearch:
         return len(self._master.windows)
 
     def begin(self, sides: np.ndarray) -> None:
-        """Take orders that are known to be possible together (-1: open)."""
+        """Take orders of robots that take turns, known to be possible together (-1: open); they may be far from good."""
+        self._takes_turns = True
         self._try(sides)
 
     def improve(self, rounds: int, *, gap: float, deadline: float) -> None:
@@ -155,7 +157,8 @@ class OrderSearch:
         active = np.flatnonzero(wanted >= 0)
         if not len(active):
             return None
-        chain = self._chain(rng) if rng.randint(2) else active
+        # Good orders are late here and there, and finding out where costs more than it gains; orders of turns are not.
+        chain = self._chain(rng) if self._takes_turns and rng.randint(2) else active
         turned = int(chain[rng.randint(len(chain))])
         kind = rng.randint(3)
         if kind == 0:

@@ -159,7 +159,6 @@ def _with_plan(robot: Robot, plan: Plan) -> Robot:
 def joined(first: Plan, second: Plan) -> Plan:
     """Two plans driven one after the other."""
     return replace(second, points=np.vstack((first.points, second.points[1:])), length=first.length + second.length,
-                   stops=(*first.stops, first.length, *(first.length + stop for stop in second.stops)),
                    social_cost=first.social_cost + second.social_cost, cost=first.cost + second.cost,
                    cells=np.vstack((first.cells, second.cells)), expanded=first.expanded + second.expanded,
                    search_time=first.search_time + second.search_time, start_yaw=first.start_yaw)
