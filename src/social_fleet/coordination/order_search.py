@@ -77,7 +77,7 @@ class OrderSearch:
         return len(self._master.windows)
 
     def begin(self, sides: np.ndarray) -> None:
-        """Take orders of robots that take turns, known to be possible together (-1: open); they may be far from good."""
+        """Take orders of robots that take turns, possible together (-1: open); they may be far from good."""
         self._takes_turns = True
         self._try(sides)
 

@@ -303,7 +303,8 @@ class TurnTaking:
         for onward in plans[1:]:
             stops.append(plan.length)
             plan = joined(plan, onward)
-        return replace(robot, plan=replace(plan, stops=tuple(stops)), start_yaw=robot.start_yaw, goal_yaw=robot.goal_yaw)
+        plan = replace(plan, stops=tuple(stops))
+        return replace(robot, plan=plan, start_yaw=robot.start_yaw, goal_yaw=robot.goal_yaw)
 
 
 def _gaps(way: Polyline, places: np.ndarray) -> np.ndarray:
