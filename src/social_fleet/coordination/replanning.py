@@ -112,16 +112,10 @@ class PlannerReplanner(Replanner):
     def _nearest(places: np.ndarray, robot: Robot, others: Sequence[Robot],
                  distance: float) -> List[Tuple[float, float]]:
         reach = np.hypot(*(places - robot.path.points[0]).T)
-        places, reach = places[reach < _ASIDE_REACH], reach[reach < _ASIDE_REACH]
-        clear = clear_of(places, [other.path for other in others], distance)
-        places, reach = places[clear], reach[clear]
-        chosen: List[Tuple[float, float]] = []
-        for x, y in places[np.argsort(reach, kind="stable")]:
-            if all(np.hypot(x - other[0], y - other[1]) >= _SPACING for other in chosen):
-                chosen.append((float(x), float(y)))
-            if len(chosen) == _PLACES:
-                break
-        return chosen
+        places = places[reach < _ASIDE_REACH]
+        places = places[clear_of(places, [other.path for other in others], distance)]
+        return [(float(x), float(y)) for x, y in nearest_apart(places, robot.path.points[0],
+                                                               apart=lambda count: _SPACING, most=_PLACES)]
 
     def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
               avoid: Sequence[Disc]) -> Optional[Plan]:
@@ -145,6 +139,24 @@ def clear_of(places: np.ndarray, ways: Sequence[Polyline], distance: float) -> n
         return np.ones(len(places), dtype=bool)
     samples = np.vstack([way.position(np.arange(0.0, way.length + _SAMPLES, _SAMPLES)) for way in ways])
     return cKDTree(samples).query(places)[0] >= distance + _SAMPLES
+
+
+def nearest_apart(places: np.ndarray, origin: np.ndarray, *, apart: Callable[[int], float], most: int,
+                  besides: Sequence[np.ndarray] = ()) -> List[np.ndarray]:
+    """Of some places (M, 2) [m] the nearest to `origin`, at most so many, apart from each other and from `besides`.
+
+    Parameters
+    ----------
+    apart : callable
+        How far, when so many are chosen [m].
+    """
+    chosen: List[np.ndarray] = []
+    for place in places[np.argsort(np.hypot(*(places - origin).T), kind="stable")]:
+        if all(np.hypot(*(place - other)) >= apart(len(chosen)) for other in (*besides, *chosen)):
+            chosen.append(place)
+        if len(chosen) == most:
+            break
+    return chosen
 
 
 def _end(pose: Pose, yaw: Optional[float]) -> Tuple[float, ...]:

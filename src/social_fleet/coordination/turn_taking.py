@@ -10,7 +10,7 @@ from typing import Callable, Dict, Iterable, Iterator, List, Optional, Sequence,
 
 import numpy as np
 
-from social_fleet.coordination.replanning import Replanner, clear_of, joined
+from social_fleet.coordination.replanning import Replanner, clear_of, joined, nearest_apart
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turns import Turn
 from social_fleet.geometry import Polyline
@@ -23,7 +23,7 @@ _ASIDES = 3  # times that one robot steps aside at most
 _PLACES = 3  # at the hub that are tried for it each time, ...
 _APART = 1.5  # ... and between them [m]
 _MOST = 25  # ... or anywhere, ...
-_CLOSE, _FAR_APART = 6, 5.0  # ... where, after so many, they are so far apart [m]
+_CLOSE, _FAR_APART = 5, 5.0  # ... where, after so many, they are so far apart [m]
 
 Distance = Callable[[Robot, Robot], float]
 
@@ -108,7 +108,7 @@ class TurnTaking:
             self._keep_off(robot, shut)
             return False
         detours = {}
-        settled = [other for other in range(len(self._robots)) if other not in self._waiting or other == robot]
+        settled = [*self._settled(), robot]
         for other in np.flatnonzero(harms[:, robot]).tolist():
             detour = self._way(other, self._goals[other], settled, arrived=robot)
             if detour is None:
@@ -169,7 +169,7 @@ class TurnTaking:
         radius = self._robots[robot].body_radius
         state = {"goals": 0, "standing": len(self.turns), "settled": len(self._waiting)}[closed]
         if (closed, radius) not in self._known or self._known[closed, radius][0] != state:
-            owners = [other for other in range(len(self._robots)) if closed != "settled" or other not in self._waiting]
+            owners = self._settled() if closed == "settled" else range(len(self._robots))
             places = self._goals if closed == "goals" else self._places
             discs = [self._disc(robot, other, places[other]) for other in owners]
             self._known[closed, radius] = state, self._replanner.regions(self._robots[robot], discs)
@@ -189,19 +189,13 @@ class TurnTaking:
         room = room[clear_of(room, ways, self._distances[robot].max() + _ROOM)]
         gaps = np.hypot(*(room[:, None] - self._places[self._others(robot)]).T).T
         room = room[(gaps >= self._distances[robot, self._others(robot)] + _ROOM).all(axis=1)]
-        chosen: List[np.ndarray] = [self._places[robot]]
-        for place in room[np.argsort(np.hypot(*(room - self._places[robot]).T), kind="stable")]:
-            apart = _APART if at_hub or len(chosen) < _CLOSE else _FAR_APART
-            if all(np.hypot(*(place - other)) >= apart for other in chosen):
-                chosen.append(place)
-            if len(chosen) > (_PLACES if at_hub else _MOST):
-                break
-        return chosen[1:]
+        here = self._places[robot]
+        return nearest_apart(room, here, apart=lambda count: _APART if at_hub or count < _CLOSE else _FAR_APART,
+                             most=_PLACES if at_hub else _MOST, besides=[here])
 
     def _park(self, robot: int, place: np.ndarray, *, strict: bool = False) -> bool:
         there = self._way(robot, place, self._others(robot))
-        settled = [other for other in range(len(self._robots)) if other not in self._waiting]
-        onward = None if there is None else self._way(robot, self._goals[robot], settled, start=place)
+        onward = None if there is None else self._way(robot, self._goals[robot], self._settled(), start=place)
         if there is None or onward is None:
             return False
         if strict:
@@ -227,7 +221,7 @@ class TurnTaking:
         """Whose place or goal is cut off from the rest when a robot stands at its goal; None when none is."""
         places = self._places.copy()
         places[robot] = self._goals[robot]
-        settled = [other for other in range(len(self._robots)) if other not in self._waiting or other == robot]
+        settled = [*self._settled(), robot]
         others = [other for other in self._waiting if other != robot]
         for radius in sorted({self._robots[other].body_radius for other in others}):
             alike = [other for other in others if self._robots[other].body_radius == radius]
@@ -270,8 +264,12 @@ class TurnTaking:
 
     def _within(self, gaps: np.ndarray, more: Union[float, np.ndarray] = 0.0) -> np.ndarray:
         near = (gaps < self._distances + more) & ~np.eye(len(self._robots), dtype=bool)
-        near[[robot for robot in range(len(self._robots)) if robot not in self._waiting]] = False
+        near[self._settled()] = False
         return near
+
+    def _settled(self) -> List[int]:
+        """Those that stand at their goals for good."""
+        return [robot for robot in range(len(self._robots)) if robot not in self._waiting]
 
     def _others(self, robot: int) -> List[int]:
         return [other for other in range(len(self._robots)) if other != robot]
