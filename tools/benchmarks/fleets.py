@@ -5,9 +5,10 @@ FLEETS=100 ./tools/bench fleets   for fewer than the thousand
 
 import os
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from statistics import median
-from typing import Callable, List, Optional
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -20,31 +21,42 @@ from social_fleet.errors import InvalidInput, SocialFleetError
 
 SIZES = (2, 101)
 PRINTED = 24  # robots up to which a fleet is also scheduled as printed in the paper, ...
-LIMIT = 10.0  # ... for so long at most [s]
-PATIENCE = 60.0  # for a fleet [s]
+LIMIT = 5.0  # ... for so long at most [s]
+PATIENCE = 120.0  # for a fleet [s]
 EVERY = 50  # fleets between two summaries
 
 Say = Callable[[str], None]
 
 
 def run(say: Say) -> bool:
-    """As many fleets as FLEETS says, of 2 to 100 robots, on all maps in turn."""
+    """As many fleets as FLEETS says, of 2 to 100 robots, on all maps in turn, one on each processor."""
     count = int(os.environ.get("FLEETS", "1000"))
     names = list(map_files())
     rng = np.random.RandomState(0)
+    drawn = [(names[seed % len(names)], int(rng.randint(*SIZES)), seed) for seed in range(count)]
     results = Results()
-    for seed in range(count):
-        name, size = names[seed % len(names)], int(rng.randint(*SIZES))
-        try:
-            robots = mixed_fleet(name, size, seed)
-        except InvalidInput:  # the map does not hold so many starts
-            results.full[name] += 1
-            continue
-        _schedule(f"{name}, {size} robots, seed {seed}", robots, name, results, say)
-        if (seed + 1) % EVERY == 0 and seed + 1 < count:
-            results.sum_up(say)
+    with ProcessPoolExecutor(os.cpu_count()) as workers:
+        for place, outcome in enumerate(workers.map(_outcome, drawn), 1):
+            results.add(outcome, say)
+            if place % EVERY == 0 and place < count:
+                results.sum_up(say)
     results.sum_up(say)
     return results.clearance >= 0.0 and len(results.failed) < 0.01 * count
+
+
+class Outcome(NamedTuple):
+    """What came of one fleet."""
+
+    what: str
+    map: str
+    full: bool = False  # the map does not hold so many starts
+    failure: str = ""
+    clearance: float = float("inf")  # [m]
+    seconds: float = 0.0
+    gap: float = 0.0
+    repaired: bool = False
+    printed: Optional[float] = None  # clearance by Eq. 5-8 [m], None where not solved ...
+    by_print: bool = False  # ... or not asked for
 
 
 @dataclass
@@ -55,9 +67,25 @@ class Results:
     seconds: List[float] = field(default_factory=list)
     gaps: List[float] = field(default_factory=list)
     failed: List[str] = field(default_factory=list)
-    printed: List[Optional[float]] = field(default_factory=list)  # clearances by Eq. 5-8 [m], None where unsolved
+    printed: List[Optional[float]] = field(default_factory=list)  # as in `Outcome`
     full: Counter = field(default_factory=Counter)  # fleets that did not fit, per map
     repaired: int = 0
+
+    def add(self, outcome: Outcome, say: Say) -> None:
+        """Count one more."""
+        if outcome.full:
+            self.full[outcome.map] += 1
+            return
+        if outcome.failure:
+            self.failed.append(outcome.what)
+            say(f"{outcome.what}: {outcome.failure[:400]}")
+            return
+        self.clearances.append(outcome.clearance)
+        self.seconds.append(outcome.seconds)
+        self.gaps.append(outcome.gap)
+        self.repaired += outcome.repaired
+        if outcome.by_print:
+            self.printed.append(outcome.printed)
 
     @property
     def clearance(self) -> float:
@@ -77,20 +105,23 @@ class Results:
                 f"{min(solved):.2f} m")
 
 
-def _schedule(what: str, robots: List[Robot], name: str, results: Results, say: Say) -> None:
+def _outcome(drawn: Tuple[str, int, int]) -> Outcome:
+    """Schedule one fleet, and judge it."""
+    name, size, seed = drawn
+    what = f"{name}, {size} robots, seed {seed}"
+    try:
+        robots = mixed_fleet(name, size, seed)
+    except InvalidInput:
+        return Outcome(what, name, full=True)
     try:
         schedule = coordinate(robots, time_limit=PATIENCE,
                               replanner=PlannerReplanner(lambda radius: planner(name, radius)))
     except SocialFleetError as error:
-        results.failed.append(what)
-        say(f"{what}: {str(error)[:400]}")
-        return
-    results.clearances.append(verify(schedule).min_clearance)
-    results.seconds.append(schedule.encounter_time + schedule.solve_time + schedule.planning_time)
-    results.gaps.append(schedule.gap)
-    results.repaired += bool(schedule.message)
-    if len(robots) <= PRINTED:
-        results.printed.append(_as_printed(robots))
+        return Outcome(what, name, failure=str(error))
+    few = size <= PRINTED
+    return Outcome(what, name, clearance=verify(schedule).min_clearance, gap=schedule.gap,
+                   seconds=schedule.encounter_time + schedule.solve_time + schedule.planning_time,
+                   repaired=bool(schedule.message), by_print=few, printed=_as_printed(robots) if few else None)
 
 
 def _as_printed(robots: List[Robot]) -> Optional[float]:

@@ -13,7 +13,7 @@ import numpy as np
 from social_fleet.coordination.conflict_regions import Links, cut_into_links
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.schedule import KINDS
-from social_fleet.coordination.window_rows import STAIR, WindowRows, window_rows
+from social_fleet.coordination.window_rows import WindowRows, window_rows
 
 _LEAST = 0.04  # what two discs keep that got closer than they should [m]
 
@@ -115,9 +115,8 @@ class EncounterFinder:
         self._remember([r, s])
         names = r.name, s.name
         if names not in self._known:
-            # where one lets others pass, no mark may run ahead to beyond its stop
             rows = window_rows(self._links_of(r), self._links_of(s), self.safety_distance(r, s),
-                               stair=0.0 if r.stops or s.stops else STAIR, committed=_commitments(r, s),
+                               stops=(r.stops, s.stops), committed=_commitments(r, s),
                                least=r.body_radius + s.body_radius + _LEAST)
             self._known[names] = tuple(_encounters(rows))
         return self._known[names]

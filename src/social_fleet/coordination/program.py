@@ -25,8 +25,7 @@ _TRIES = 100  # neighbourhoods searched between two calls for a proof
 _NODES = 100  # of the master's own search, while it has more binaries than `_FEW`
 _PROOFS = 2  # calls of the master at a time, ...
 _FEW = 60  # ... and as many as it takes while it has no more binaries than this
-_CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven ...
-_LONG = 4  # ... and so many times as many neighbourhoods are searched
+_CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
 
 
@@ -129,7 +128,7 @@ class ExactProgram:
             search.improve(_TRIES, gap=self._gap, deadline=deadline)
             self._prove(search, deadline)
         if hopeless:
-            search.improve(_LONG * self._effort * _TRIES, gap=self._gap, deadline=deadline)
+            search.improve(self._effort * _TRIES, gap=self._gap, deadline=deadline)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=deadline, solver=self._solver)
         if not math.isfinite(search.cost):

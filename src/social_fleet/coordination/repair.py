@@ -16,7 +16,8 @@ from social_fleet.planning.overlays.discs import Disc
 log = logging.getLogger(__name__)
 
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
-_ATTEMPTS = 4  # to find turns
+_HUBS = 4  # parts of the map to wait in, one tried after the other, ...
+_PATIENCE = 25  # ... each until so many robots step aside in a row; then all again, however long it takes
 _MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
@@ -105,9 +106,10 @@ class Repairs:
             return None
         self._took_turns = names
         asked = [self._asked[robot.name] for robot in planned]
-        for attempt in range(_ATTEMPTS):
+        for attempt in range(2 * _HUBS):
             search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
-                                self._finder.safety_distance, self._expired, attempt=attempt)
+                                self._finder.safety_distance, self._expired, attempt=attempt % _HUBS,
+                                patience=_PATIENCE if attempt < _HUBS else None)
             found = search.find()
             if found is not None:
                 break

@@ -134,11 +134,17 @@ def _raster(space: ConfigurationSpace) -> np.ndarray:
 
 def clear_of(places: np.ndarray, ways: Sequence[Polyline], distance: float) -> np.ndarray:
     """Which of some places (M, 2) [m] are surely at least `distance` [m] from all ways."""
+    clear = np.ones(len(places), dtype=bool)
+    for way in ways:
+        clear &= sure_gaps(places, way) >= distance
+    return clear
+
+
+def sure_gaps(places: np.ndarray, way: Polyline) -> np.ndarray:
+    """How far some places (M, 2) [m] are from a way at least (M,) [m]."""
     from scipy.spatial import cKDTree
-    if not ways:
-        return np.ones(len(places), dtype=bool)
-    samples = np.vstack([way.position(np.arange(0.0, way.length + _SAMPLES, _SAMPLES)) for way in ways])
-    return cKDTree(samples).query(places)[0] >= distance + _SAMPLES
+    samples = way.position(np.arange(0.0, way.length + _SAMPLES, _SAMPLES))
+    return cKDTree(samples).query(places)[0] - _SAMPLES
 
 
 def nearest_apart(places: np.ndarray, origin: np.ndarray, *, apart: Callable[[int], float], most: int,

@@ -4,7 +4,7 @@ For an order, the second robot's links in a window are walked in ascending order
 first has to be past by then. A row is kept as long as `clear` rises by no more than `STAIR`: see doc/coordination.md.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from numba import njit
@@ -50,14 +50,15 @@ class WindowRows(NamedTuple):
     clear: np.ndarray
 
 
-def window_rows(r: Links, s: Links, distance: float, *, stair: float = STAIR,
+def window_rows(r: Links, s: Links, distance: float, *, stops: Tuple[Sequence[float], Sequence[float]] = ((), ()),
                 committed: Optional[Tuple[float, float]] = None, least: float = 0.0) -> WindowRows:
     """The windows of two paths: where links come closer than `distance` [m].
 
     Parameters
     ----------
-    stair : float
-        How far the first robot's mark may run ahead of what is needed, to save rows [m].
+    stops : pair of sequences of float
+        Where either robot may stand for as long as others need [m]: before one that goes second has left such a place,
+        nothing is asked of the first that it would only need beyond.
     committed : (float, float), optional
         The arc lengths that two robots under way are committed to [m], borders of links: what both reach within these
         is settled, and no part of any window. Where they are closer than the distance now, they need not keep it before
@@ -67,13 +68,14 @@ def window_rows(r: Links, s: Links, distance: float, *, stair: float = STAIR,
     """
     r_upto, s_upto = committed or (0.0, 0.0)
     return WindowRows(*_windows(r.tails, r.heads, r.middles, r.starts, r.ends,
-                                s.tails, s.heads, s.middles, s.starts, s.ends, distance, stair,
+                                s.tails, s.heads, s.middles, s.starts, s.ends, distance,
+                                np.array(stops[0], dtype=float), np.array(stops[1], dtype=float),
                                 r_upto, s_upto, least if committed is not None else np.inf))
 
 
 @njit(cache=True)
 def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-untyped-def]
-             s_tails, s_heads, s_middles, s_starts, s_ends, distance, stair, r_upto, s_upto, least):
+             s_tails, s_heads, s_middles, s_starts, s_ends, distance, r_stops, s_stops, r_upto, s_upto, least):
     runs = close_runs(r_tails, r_heads, r_middles, s_tails, s_heads, s_middles, distance)
     r_own, s_own = max(np.sum(r_ends <= r_upto + _TINY), 1), max(np.sum(s_ends <= s_upto + _TINY), 1)
     if least < np.inf:
@@ -100,9 +102,9 @@ def _windows(r_tails, r_heads, r_middles, r_starts, r_ends,  # type: ignore[no-u
         ends[window, 2], ends[window, 3] = first < s_own, last == len(s_starts) - 1
         kinds[window] = _kind(mine, extents[window])
         by_first = np.argsort(mine[:, 1], kind="mergesort")
-        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, at, clear, rows, stair)
+        rows = _stairs(s_starts, mine[:, 1], r_ends, mine[:, 0], by_first, s_stops, at, clear, rows)
         starts[2 * window + 1] = rows
-        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), at, clear, rows, stair)
+        rows = _stairs(r_starts, mine[:, 0], s_ends, mine[:, 2], np.arange(len(mine)), r_stops, at, clear, rows)
         starts[2 * window + 2] = rows
     return extents, ends, kinds, starts, at[:rows], clear[:rows]
 
@@ -137,7 +139,7 @@ def _unsettled(runs, r_own, s_own, r_near, s_near,  # type: ignore[no-untyped-de
 
 @njit(cache=True)
 def _stairs(entries, follower_links, exits,  # type: ignore[no-untyped-def]
-            leader_links, order, at, clear, rows, stair):
+            leader_links, order, stops, at, clear, rows):
     """Add the rows of one order; `entries` and `exits` are the arc lengths of links' starts and ends [m]."""
     begin = rows
     low = 0.0
@@ -145,12 +147,21 @@ def _stairs(entries, follower_links, exits,  # type: ignore[no-untyped-def]
     for index in order:
         entry = entries[follower_links[index]]
         passed = max(passed, exits[leader_links[index]])
-        if rows == begin or (entry > at[rows - 1] and passed - low > stair):
+        if rows == begin or (entry > at[rows - 1] and (passed - low > STAIR or _holds(stops, at[rows - 1], entry))):
             at[rows] = entry
             low = passed
             rows += 1
         clear[rows - 1] = passed
     return rows
+
+
+@njit(cache=True)
+def _holds(stops, low, high):  # type: ignore[no-untyped-def]
+    """Whether a stop lies beyond `low`, up to `high` [m]."""
+    for stop in stops:
+        if low < stop - _TINY and stop <= high + _TINY:
+            return True
+    return False
 
 
 @njit(cache=True)
