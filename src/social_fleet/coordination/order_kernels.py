@@ -107,6 +107,27 @@ def take_back(times, causes, trail_events, trail_times, trail_causes, top, to): 
 
 
 @njit(cache=True)
+def walk(event, causes, tails, offsets, robots):  # type: ignore[no-untyped-def]
+    """The rows on an event's chain of causes, and whether the chain closes; then those of the cycle alone."""
+    seen = np.full(len(causes), -1, np.int64)
+    path = np.empty(len(causes), np.int64)
+    length = 0
+    while seen[event] < 0:
+        seen[event] = length
+        cause = causes[event]
+        path[length] = cause
+        length += 1
+        if cause >= 0:
+            event = tails[cause]
+        elif event == offsets[robots[event]]:
+            return path[:length][path[:length] >= 0], False
+        else:
+            event -= 1
+    cycle = path[seen[event]:length]
+    return cycle[cycle >= 0], True
+
+
+@njit(cache=True)
 def _misses(order, times, tails, heads, starts, margin):  # type: ignore[no-untyped-def]
     """Whether the times miss a row of an order."""
     for row in range(starts[order], starts[order + 1]):

@@ -18,7 +18,7 @@ from social_fleet.coordination.order_state import Choice, OrderState
 from social_fleet.errors import TimedOut
 
 _FULL_CUT = 3  # orders of a cut for which all subsets are priced
-_MASTER_GAP = 0.02  # of the delays, to which the master is solved while the two have not met
+_MASTER_GAP = 0.05  # of the delays, to which the master is solved while the two have not met
 _WORTH = 1e-3  # delays that differ by less are the same [s]
 
 

@@ -5,7 +5,7 @@ cost microseconds. For every time there is a chain of causes: the orders along i
 chain closes, why no schedule has all of them.
 """
 
-from typing import Dict, FrozenSet, List, Optional, Sequence, Set, Tuple
+from typing import FrozenSet, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -157,28 +157,15 @@ class OrderState:
 
     def _is_closed(self, event: int) -> bool:
         """Whether the causes of an event go round."""
-        return self._walk(event)[1]
+        return bool(self._walk(event)[1])
 
     def _chain(self, event: int) -> Set[Choice]:
-        owners = {int(self.rows.owners[cause]) for cause in self._walk(event)[0] if cause >= 0}
-        return {(owner >> 1, owner & 1) for owner in owners}
+        owners = np.unique(self.rows.owners[self._walk(event)[0]])
+        return set(zip((owners >> 1).tolist(), (owners & 1).tolist()))
 
-    def _walk(self, event: int) -> Tuple[List[int], bool]:
-        """The causes of an event, back to a departure; or of a cycle, and that it is one."""
-        seen: Dict[int, int] = {}
-        path: List[int] = []
-        rows = self.rows
-        while event not in seen:
-            seen[event] = len(path)
-            cause = int(self._causes[event])
-            path.append(cause)
-            if cause >= 0:
-                event = int(rows.tails[cause])
-            elif event == self._offsets[self._robots[event]]:
-                return path, False
-            else:
-                event -= 1
-        return path[seen[event]:], True
+    def _walk(self, event: int) -> Tuple[np.ndarray, bool]:
+        """The rows that an event's time comes from, back to a departure; or those of a cycle, and that it is one."""
+        return order_kernels.walk(event, self._causes, self.rows.tails, self._offsets, self._robots)
 
     def _by_robot(self, robots: int) -> Tuple[np.ndarray, np.ndarray]:
         """The windows of every robot, one robot after the other, and where each robot's begin."""

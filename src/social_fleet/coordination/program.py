@@ -21,11 +21,13 @@ from social_fleet.coordination.timing import Timing
 from social_fleet.errors import SolverFailed, TimedOut
 
 _AFTER = 1e-7  # from reaching an arc length to leaving it, so that who waits there has already cleared up to it [s]
-_TRIES = 100  # neighbourhoods searched between two calls for a proof
-_NODES = 100  # of the master's own search, while it has more binaries than `_FEW`
-_PROOFS = 2  # calls of the master at a time, ...
-_FEW = 60  # ... and as many as it takes while it has no more binaries than this
-_CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven
+_TRIES = 100  # neighbourhoods searched between two proofs
+_PROOFS = 2  # calls of the master when they have been searched, ...
+_NODES = 5  # ... and of its own search in each, while it has more binaries than ...
+_FEW = 60  # ... this; with fewer, as many as it takes
+_CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven, ...
+_LONG = 4  # ... and up to so many times as many neighbourhoods are searched, ...
+_SQUARES = 1_400_000_000  # ... fewer where this over the windows' square is less: what one costs grows as fast
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
 
 
@@ -122,21 +124,22 @@ class ExactProgram:
         search.improve(1, gap=self._gap, deadline=deadline)
         hopeless = self._known is not None and len(self.encounters) > _CROWDED
         for _ in range(0 if hopeless else self._effort):
-            self._prove(search, deadline)
+            self._prove(search, deadline, calls=1)
             if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > deadline:
                 break
             search.improve(_TRIES, gap=self._gap, deadline=deadline)
-            self._prove(search, deadline)
+            self._prove(search, deadline, calls=_PROOFS)
         if hopeless:
-            search.improve(self._effort * _TRIES, gap=self._gap, deadline=deadline)
+            tries = min(max(_SQUARES // len(self.encounters) ** 2, _TRIES), _LONG * _TRIES)
+            search.improve(self._effort * tries, gap=self._gap, deadline=deadline)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=deadline, solver=self._solver)
         if not math.isfinite(search.cost):
             raise TimedOut("no schedule within the time limit; allow more time or send fewer robots at once")
         return search
 
-    def _prove(self, search: OrderSearch, deadline: float) -> None:
-        search.prove(_PROOFS, gap=self._gap, deadline=deadline, solver=self._solver, nodes=_NODES)
+    def _prove(self, search: OrderSearch, deadline: float, *, calls: int) -> None:
+        search.prove(calls, gap=self._gap, deadline=deadline, solver=self._solver, nodes=_NODES)
         if search.size <= _FEW:
             search.prove(_EXPLAINED, gap=self._gap, deadline=deadline, solver=self._solver)
 

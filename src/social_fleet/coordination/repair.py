@@ -10,7 +10,7 @@ from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turn_taking import TurnTaking
 from social_fleet.coordination.turns import Turn
-from social_fleet.errors import Infeasible
+from social_fleet.errors import Infeasible, TimedOut
 from social_fleet.planning.overlays.discs import Disc
 
 log = logging.getLogger(__name__)
@@ -71,6 +71,8 @@ class Repairs:
         ------
         Infeasible
             `error` itself, when nothing is left to try.
+        TimedOut
+            When `expired` says so first.
         """
         if len(self.notes) >= self._limit:
             raise error
@@ -81,6 +83,8 @@ class Repairs:
             self.turns = ()
             return mended
         mended = self._taking_turns(planned, fleet)
+        if mended is None and self._expired():
+            raise TimedOut("no schedule within the time limit; allow more time or send fewer robots at once") from error
         if mended is None:
             raise error
         return mended
