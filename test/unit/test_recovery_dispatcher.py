@@ -269,6 +269,15 @@ def test_where_no_schedule_is_found_nobody_drives_on_to_a_goal_that_was_taken_ba
     assert given.assignments["green"].reason and not given.assignments["green"].final
 
 
+def test_when_all_have_fallen_silent_nothing_is_planned_and_nothing_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    fleet = Fleet()
+    fleet.pass_time(2.0)
+    asked = fleet.pass_time(1.0, gold={"errand": Errand(2, (14.0, 6.5))})
+    assert asked is not None and asked.exchange == 2
+    fleet.pass_time(CONFIG.gone + 5.0, silent=("gold", "green"))
+    assert not any("no schedule" in record.getMessage() for record in caplog.records)
+
+
 def test_one_that_falls_silent_while_promises_are_awaited_is_led_round_at_once() -> None:
     fleet = Fleet()
     fleet.pass_time(2.0)

@@ -49,7 +49,9 @@ class Replanning:
         self._options = options
 
     def assignments(self, request: Request) -> Dict[str, Assignment]:
-        """One for every robot that takes part."""
+        """One for every robot that takes part; none where all are dead."""
+        if not request.remaining:
+            return {}
         job = _Job(request, self._planner_for, self._options)
         before = None
         try:
