@@ -13,7 +13,7 @@ from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.event_graph import EventGraph, Motion, Sides, Wait
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
 from social_fleet.coordination.robot import Robot
-from social_fleet.coordination.timing import nominal_timing
+from social_fleet.coordination.timing import Timing, nominal_timing
 
 MARGIN = 1.0
 
@@ -92,3 +92,16 @@ def test_orders_that_all_end_in_a_cycle_are_told() -> None:
     with pytest.raises(Contradiction) as caught:
         search.prove(10, gap=0.0, deadline=soon(), solver=None)
     assert caught.value.windows == (0, 1)
+
+
+def test_turns_against_the_order_of_arrival_are_taken_however_many() -> None:
+    count = 90
+    timing = Timing(np.array([0.0, 10.0]), np.array([0.0, 10.0]))
+    motions = [Motion(timing, 0.1 * index) for index in range(count)]
+    at, clear = np.array([4.0]), np.array([5.0])
+    windows = [(Wait(r, s, at, clear), Wait(s, r, at, clear)) for r, s in itertools.combinations(range(count), 2)]
+    search = OrderSearch(EventGraph(motions, windows, MARGIN), motions, np.ones(count), False)
+    search.begin(np.ones(len(windows), dtype=np.int64))
+    # one after the other, the last first, each a metre and the margin after the one before
+    waits = np.arange(count) * (1.0 + MARGIN)
+    assert search.cost == pytest.approx(float((0.1 * (count - 1) + 10.0 + waits).sum()))

@@ -1,6 +1,7 @@
 """Random fleets of mixed speeds and sizes: every one must have a schedule, and no schedule may let discs touch.
 
-FLEETS=100 ./tools/bench fleets   for fewer than the thousand
+FLEETS=100 ./tools/bench fleets              for fewer than the thousand
+FIRST=100 FLEETS=100 ./tools/bench fleets    for those from the hundredth on
 """
 
 import os
@@ -30,10 +31,10 @@ Say = Callable[[str], None]
 
 def run(say: Say) -> bool:
     """As many fleets as FLEETS says, of 2 to 100 robots, on all maps in turn, one on each processor."""
-    count = int(os.environ.get("FLEETS", "1000"))
+    first, count = int(os.environ.get("FIRST", "0")), int(os.environ.get("FLEETS", "1000"))
     names = list(map_files())
     rng = np.random.RandomState(0)
-    drawn = [(names[seed % len(names)], int(rng.randint(*SIZES)), seed) for seed in range(count)]
+    drawn = [(names[seed % len(names)], int(rng.randint(*SIZES)), seed) for seed in range(first + count)][first:]
     results = Results()
     with ProcessPoolExecutor(os.cpu_count()) as workers:
         for place, outcome in enumerate(workers.map(_outcome, drawn), 1):

@@ -121,9 +121,10 @@ class OrderState:
         rows = self.rows
         return order_kernels.kept(times, rows.tails, rows.heads, rows.starts, self.possible, self.graph.margin)
 
-    def entries(self) -> np.ndarray:
-        """When the first of its robots is at each window (W,) [s]."""
-        return order_kernels.entries(self.times, self.rows.heads, self.rows.starts, self.possible)
+    def entries(self, times: Optional[np.ndarray] = None) -> np.ndarray:
+        """When the first of its robots is at each window (W,) [s], under the orders given or at `times`."""
+        return order_kernels.entries(self.times if times is None else times, self.rows.heads, self.rows.starts,
+                                     self.possible)
 
     def dive(self, wanted: np.ndarray, by_time: np.ndarray, cap: float) -> Tuple[float, np.ndarray]:
         """Orders that begin with those `wanted` (-1: none), tried in the sequence `by_time`.
