@@ -36,6 +36,10 @@ class WaitingPlaces:
         self._attempt = attempt
         self._hub: Optional[np.ndarray] = None
         self._known: Dict[Tuple[str, float], Tuple[int, Regions]] = {}
+        self._parts: Dict[float, Tuple[Regions, np.ndarray]] = {}
+        self._home: Dict[int, np.ndarray] = {}  # which of its room is at home, robot by robot
+        self._largest_of: Tuple[Optional[Regions], int] = (None, 0)
+        self._passable: Dict[Tuple[int, float, Tuple[float, ...]], bool] = {}
         self._gaps: Dict[float, Tuple[np.ndarray, List[Optional[Polyline]]]] = {}
 
     def at_home(self, places: np.ndarray, robot: int) -> np.ndarray:
@@ -54,19 +58,31 @@ class WaitingPlaces:
 
     def beside_passages(self, robot: int) -> List[np.ndarray]:
         """Places at home that others can drive round: what the widest of them reaches still hangs together."""
-        crowd, widest = self._crowd, self._crowd.widest()
-        regions = self._regions("waiting", widest)
-        held = np.bincount(regions.holding(self._replanner.standing_room(crowd.robots[widest])))
         room = self._room(robot)[self._within_reach(robot, at_home=True)]
+        away = np.hypot(*(room - self._crowd.places[robot]).T)
         chosen: List[np.ndarray] = []
-        for place in room[np.argsort(np.hypot(*(room - crowd.places[robot]).T), kind="stable")[:_TRIED]]:
-            disc = crowd.disc(widest, robot, place)
-            if (np.argmax(held[1:]) + 1 in regions.touching(disc) and not regions.may_be_cut_by(disc)
-                    and all(np.hypot(*(place - other)) >= _APART for other in chosen)):
+        for place in room[np.argsort(away, kind="stable")[:_TRIED]]:
+            if all(np.hypot(*(place - other)) >= _APART for other in chosen) and self._leaves_a_passage(robot, place):
                 chosen.append(place)
                 if len(chosen) == _PLACES:
                     break
         return chosen
+
+    def _leaves_a_passage(self, robot: int, place: np.ndarray) -> bool:
+        """Whether the largest part that the widest reaches, all goals and places to wait occupied, is not cut there."""
+        crowd, widest = self._crowd, self._crowd.widest()
+        key = crowd.turns, crowd.robots[robot].body_radius, tuple(place.tolist())
+        if key not in self._passable:
+            regions, disc = self._regions("waiting", widest), crowd.disc(widest, robot, place)
+            self._passable[key] = (self._largest(regions, widest) in regions.touching(disc)
+                                   and not regions.may_be_cut_by(disc))
+        return self._passable[key]
+
+    def _largest(self, regions: Regions, robot: int) -> int:
+        """The part with most room."""
+        if self._largest_of[0] is not regions:
+            self._largest_of = regions, int(np.argmax(np.bincount(regions.holding(self._room(robot)))[1:])) + 1
+        return self._largest_of[1]
 
     def anywhere(self, robot: int) -> List[np.ndarray]:
         """One place in each part that it gets to now where it is in nobody's way, nearest first."""
@@ -114,7 +130,7 @@ class WaitingPlaces:
         labels = regions.holding(room)
         counts = np.bincount(labels[labels > 0])
         held = np.bincount(here[here > 0], minlength=len(counts))[:len(counts)]
-        ranked = [part for part in np.lexsort((counts, held))[::-1] if counts[part]]
+        ranked = [part for part in np.lexsort((held, counts))[::-1] if counts[part]]
         inside = room[labels == ranked[self._attempt % len(ranked)]]
         return inside[np.argmin(np.hypot(*(inside - inside.mean(axis=0)).T))]
 
@@ -151,13 +167,22 @@ class WaitingPlaces:
     def _within_reach(self, robot: int, *, at_home: bool) -> np.ndarray:
         """Where of its room a robot could stand now, clear of the others: positions in it."""
         crowd, room = self._crowd, self._room(robot)
-        inside = np.isin(self._regions("standing", robot).holding(room), self._around(robot))
+        inside = np.isin(self._standing_parts(robot), self._around(robot))
         if at_home:
-            inside &= self.at_home(room, robot)
+            if robot not in self._home:
+                self._home[robot] = self.at_home(room, robot)
+            inside &= self._home[robot]
         found = np.flatnonzero(inside)
         others = crowd.others(robot)
         away = np.hypot(*(room[found, None] - crowd.places[others]).T).T
         return found[(away >= crowd.distances[robot, others] + ROOM).all(axis=1)]
+
+    def _standing_parts(self, robot: int) -> np.ndarray:
+        """The part that each place of its room lies in, round all that stand (M,)."""
+        regions, radius = self._regions("standing", robot), self._crowd.robots[robot].body_radius
+        if radius not in self._parts or self._parts[radius][0] is not regions:
+            self._parts[radius] = regions, regions.holding(self._room(robot))
+        return self._parts[radius][1]
 
     def _from_ways(self, robot: int) -> np.ndarray:
         """How far its room is from everybody's way at least (M, R) [m]; kept until a way changes."""
