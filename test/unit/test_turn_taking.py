@@ -1,5 +1,6 @@
 """Fleets that no schedule fits on their own paths, and the turns that they could take; judged from the motion alone."""
 
+import math
 from typing import Callable, List, Optional, Tuple
 
 import numpy as np
@@ -9,11 +10,13 @@ from worlds import grid_from_text
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import EncounterFinder
+from social_fleet.coordination.program import ExactProgram, Solution
 from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turn_taking import TurnTaking
 from social_fleet.coordination.turns import Turn, sides_of
 from social_fleet.coordination.verification import verify
+from social_fleet.errors import TimedOut
 from social_fleet.planning.config import PlannerConfig
 from social_fleet.planning.planner import SocialPlanner
 
@@ -110,6 +113,20 @@ def test_a_fleet_that_one_changed_path_does_not_help_gets_a_schedule() -> None:
     fleet = coordinate(robots, replanner=replanner(SIDING))
     assert verify(fleet).min_clearance >= 0.2 - 1e-6
     assert fleet.message
+
+
+def test_where_orders_are_not_found_in_time_they_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve = ExactProgram.solve
+
+    def undecided(program: ExactProgram, *, deadline: float, patience: float = math.inf) -> Solution:
+        if math.isfinite(patience):
+            raise TimedOut("not in time")
+        return solve(program, deadline=deadline)
+
+    monkeypatch.setattr(ExactProgram, "solve", undecided)
+    fleet = coordinate(lane((2.5, 8.5), (12.5, 18.5)), replanner=replanner(SIDING))
+    assert "in turn" in fleet.message
+    assert verify(fleet).min_clearance >= 0.2 - 1e-6
 
 
 def test_the_same_turns_whatever_was_tried_before() -> None:

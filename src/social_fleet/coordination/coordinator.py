@@ -1,6 +1,7 @@
 """Coordination of a fleet's timing: from paths to schedules that keep all robots apart (3.3)."""
 
 import logging
+import math
 import time
 from dataclasses import replace
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
@@ -14,7 +15,7 @@ from social_fleet.coordination.options import check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
 from social_fleet.coordination.program import ExactProgram, Solution
-from social_fleet.coordination.repair import Repairs
+from social_fleet.coordination.repair import MANY, Repairs
 from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.request import check_fleet
 from social_fleet.coordination.robot import Robot
@@ -25,6 +26,8 @@ from social_fleet.coordination.turns import Turn, sides_of
 from social_fleet.errors import Infeasible, TimedOut
 
 log = logging.getLogger(__name__)
+
+_PATIENCE = 5.0  # for any schedule on given paths, while the robots could take turns instead [s]
 
 
 def coordinate(robots: Sequence[Robot], *, mode: str = "simultaneous", fixed: Sequence[Schedule] = (),
@@ -146,12 +149,18 @@ class _Job:
                 self.finder.find(fleet, fixed=len(self.fixed)), fleet))
             try:
                 turns = () if mender is None else mender.turns
-                solution = _timed(spent, "solve", lambda: self._solve(planned, encounters, turns=turns))
+                patience = _PATIENCE if mender is not None and mender.may_take_turns(planned) else math.inf
+                solution = _timed(spent, "solve", lambda: self._solve(planned, encounters, turns=turns,
+                                                                      patience=patience))
                 break
             except Infeasible as error:
                 if time.monotonic() > self.deadline:
                     raise
                 reason = error
+            except TimedOut:
+                if math.isinf(patience) or time.monotonic() > self.deadline:
+                    raise
+                reason = _undecided(planned)
             planned = _timed(spent, "repair", lambda: self._mended(mender, planned, fleet, encounters, reason))
         schedules = self._schedules(fleet, encounters, solution)
         windows = [_window(fleet, encounter, order) for encounter, order in zip(encounters, solution.orders)]
@@ -208,7 +217,7 @@ class _Job:
                              encounter_time=spent["encounters"], solve_time=spent["solve"])
 
     def _solve(self, planned: Sequence[Robot], encounters: Sequence[Encounter], *, alone: bool = False,
-               turns: Sequence[Turn] = ()) -> Solution:
+               turns: Sequence[Turn] = (), patience: float = math.inf) -> Solution:
         fixed = [] if alone else self.fixed
         fleet = list(planned) + [schedule.robot for schedule in fixed]
         contradictory = [encounter for encounter in encounters if contradiction(encounter, fleet)]
@@ -220,7 +229,7 @@ class _Job:
         try:
             return ExactProgram(motions, encounters, margin=self.options.margin, makespan=self.options.makespan,
                                 gap=self.options.gap, effort=self.options.effort, solver=self.options.solver,
-                                known=known).solve(deadline=self.deadline)
+                                known=known).solve(deadline=self.deadline, patience=patience)
         except Contradiction as error:
             raise _infeasible([encounters[window] for window in error.windows], fleet) from error
 
@@ -230,7 +239,8 @@ class _Job:
         try:
             if mender is None:
                 raise error
-            contradictions = sum(contradiction(encounter, fleet) is not None for encounter in encounters)
+            contradictions = (sum(contradiction(encounter, fleet) is not None for encounter in encounters)
+                              if error.pairs else MANY)
             return mender.mend(planned, fleet, error, contradictions=contradictions)
         except Infeasible:
             if not self.options.partial:
@@ -330,6 +340,12 @@ def _window(fleet: Sequence[Robot], encounter: Encounter, order: Order) -> Encou
     return EncounterWindow(fleet[encounter.r].name, fleet[encounter.s].name, encounter.kind,
                            encounter.r_extent[0], encounter.r_extent[1], encounter.s_extent[0], encounter.s_extent[1],
                            first=fleet[order.leader].name)
+
+
+def _undecided(planned: Sequence[Robot]) -> Infeasible:
+    """That no schedule was found on these paths; that there is none is not known."""
+    return Infeasible("no schedule was found on these paths; allow more time, or send fewer robots at once",
+                      robots=[robot.name for robot in planned])
 
 
 def _infeasible(encounters: Sequence[Encounter], fleet: Sequence[Robot]) -> Infeasible:

@@ -86,13 +86,15 @@ class ExactProgram:
                           self._weights / self._scale)
         self._waits = self._find_waits()
 
-    def solve(self, *, deadline: float) -> Solution:
+    def solve(self, *, deadline: float, patience: float = math.inf) -> Solution:
         """Find orders for all windows, and a bound.
 
         Parameters
         ----------
         deadline : float
             On `time.monotonic`'s clock [s].
+        patience : float
+            Until some orders are found, or known not to exist [s].
 
         Raises
         ------
@@ -106,10 +108,11 @@ class ExactProgram:
         if time.monotonic() > deadline:
             raise TimedOut("no schedule within the time limit; allow more time")
         graph = EventGraph(self.motions, self._waits, self.margin)
+        first = min(deadline, time.monotonic() + patience)
         try:
-            search = self._search(graph, deadline)
+            search = self._search(graph, deadline, first)
         except Contradiction as error:
-            raise Contradiction(self._smallest(list(error.windows), deadline)) from error
+            raise Contradiction(self._smallest(list(error.windows), first)) from error
         times, delay = graph.least_times(search.sides)
         if not math.isfinite(delay):
             raise SolverFailed("the orders found contradict each other")
@@ -117,23 +120,25 @@ class ExactProgram:
         return Solution(tuple(graph.paces(times)), tuple(self._orders(search, times)), objective,
                         min(search.bound * self._scale, objective))
 
-    def _search(self, graph: EventGraph, deadline: float) -> OrderSearch:
+    def _search(self, graph: EventGraph, deadline: float, first: float) -> OrderSearch:
+        """Look for orders until `deadline`, but for any at all only until `first`."""
         search = OrderSearch(graph, self.motions, self._relative, self._makespan)
         if self._known is not None:
             search.begin(self._known)
         search.improve(1, gap=self._gap, deadline=deadline)
         hopeless = self._known is not None and len(self.encounters) > _CROWDED
         for _ in range(0 if hopeless else self._effort):
-            self._prove(search, deadline, calls=1)
-            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > deadline:
+            self._prove(search, deadline if math.isfinite(search.cost) else first, calls=1)
+            end = deadline if math.isfinite(search.cost) else first
+            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end:
                 break
-            search.improve(_TRIES, gap=self._gap, deadline=deadline)
-            self._prove(search, deadline, calls=_PROOFS)
+            search.improve(_TRIES, gap=self._gap, deadline=end)
+            self._prove(search, deadline if math.isfinite(search.cost) else first, calls=_PROOFS)
         if hopeless:
             tries = min(max(_SQUARES // len(self.encounters) ** 2, _TRIES), _LONG * _TRIES)
             search.improve(self._effort * tries, gap=self._gap, deadline=deadline)
         if not math.isfinite(search.cost):
-            search.prove(1 << 30, gap=self._gap, deadline=deadline, solver=self._solver)
+            search.prove(1 << 30, gap=self._gap, deadline=first, solver=self._solver)
         if not math.isfinite(search.cost):
             raise TimedOut("no schedule within the time limit; allow more time or send fewer robots at once")
         return search

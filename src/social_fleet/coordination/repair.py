@@ -18,7 +18,8 @@ log = logging.getLogger(__name__)
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
 _HUBS = 4  # parts of the map to wait in, one tried after the other, ...
 _PATIENCE = 25  # ... each until so many robots step aside in a row; then all again, however long it takes
-_MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
+MANY = 10
+"""Contradictory windows from which on all take turns, rather than that one after the other is mended."""
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
 """What a robot does to let others pass, the robot with that path, and the discs that it now avoids."""
@@ -78,7 +79,7 @@ class Repairs:
             raise error
         for robot in planned:
             self._asked.setdefault(robot.name, robot)
-        mended = self._with_one_changed(planned, fleet, error) if contradictions < _MANY else None
+        mended = self._with_one_changed(planned, fleet, error) if contradictions < MANY else None
         if mended is not None:
             self.turns = ()
             return mended
@@ -102,13 +103,16 @@ class Repairs:
         self._note(f"{changed.name} {how} ({extra:+.1f} m)")
         return [changed if robot.name == changed.name else robot for robot in planned]
 
+    def may_take_turns(self, planned: Sequence[Robot]) -> bool:
+        """Whether these robots have not been asked yet to take turns, and could be."""
+        return (self._replanner.leads_anywhere and frozenset(robot.name for robot in planned) != self._took_turns
+                and not any(robot.committed is not None for robot in planned))
+
     def _taking_turns(self, planned: Sequence[Robot], fleet: Sequence[Robot]) -> Optional[List[Robot]]:
         """All on paths that they could drive one after the other; tried once for the same robots."""
-        names = frozenset(robot.name for robot in planned)
-        under_way = any(robot.committed is not None for robot in planned)
-        if names == self._took_turns or under_way or not self._replanner.leads_anywhere:
+        if not self.may_take_turns(planned):
             return None
-        self._took_turns = names
+        self._took_turns = frozenset(robot.name for robot in planned)
         asked = [self._asked[robot.name] for robot in planned]
         for attempt in range(2 * _HUBS):
             search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
