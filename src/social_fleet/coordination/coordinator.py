@@ -15,7 +15,7 @@ from social_fleet.coordination.options import check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
 from social_fleet.coordination.program import ExactProgram, Solution
-from social_fleet.coordination.repair import MANY, Repairs
+from social_fleet.coordination.repair import Repairs
 from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.request import check_fleet
 from social_fleet.coordination.robot import Robot
@@ -239,8 +239,7 @@ class _Job:
         try:
             if mender is None:
                 raise error
-            contradictions = (sum(contradiction(encounter, fleet) is not None for encounter in encounters)
-                              if error.pairs else MANY)
+            contradictions = sum(contradiction(encounter, fleet) is not None for encounter in encounters)
             return mender.mend(planned, fleet, error, contradictions=contradictions)
         except Infeasible:
             if not self.options.partial:

@@ -126,14 +126,17 @@ class ExactProgram:
         if self._known is not None:
             search.begin(self._known)
         search.improve(1, gap=self._gap, deadline=deadline)
+
+        def end() -> float:
+            return deadline if math.isfinite(search.cost) else first
+
         hopeless = self._known is not None and len(self.encounters) > _CROWDED
         for _ in range(0 if hopeless else self._effort):
-            self._prove(search, deadline if math.isfinite(search.cost) else first, calls=1)
-            end = deadline if math.isfinite(search.cost) else first
-            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end:
+            self._prove(search, end(), calls=1)
+            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end():
                 break
-            search.improve(_TRIES, gap=self._gap, deadline=end)
-            self._prove(search, deadline if math.isfinite(search.cost) else first, calls=_PROOFS)
+            search.improve(_TRIES, gap=self._gap, deadline=end())
+            self._prove(search, end(), calls=_PROOFS)
         if hopeless:
             tries = min(max(_SQUARES // len(self.encounters) ** 2, _TRIES), _LONG * _TRIES)
             search.improve(self._effort * tries, gap=self._gap, deadline=deadline)

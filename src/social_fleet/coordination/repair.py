@@ -18,8 +18,7 @@ log = logging.getLogger(__name__)
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
 _HUBS = 4  # parts of the map to wait in, one tried after the other, ...
 _PATIENCE = 25  # ... each until so many robots step aside in a row; then all again, however long it takes
-MANY = 10
-"""Contradictory windows from which on all take turns, rather than that one after the other is mended."""
+_MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
 """What a robot does to let others pass, the robot with that path, and the discs that it now avoids."""
@@ -79,7 +78,8 @@ class Repairs:
             raise error
         for robot in planned:
             self._asked.setdefault(robot.name, robot)
-        mended = self._with_one_changed(planned, fleet, error) if contradictions < MANY else None
+        one_will_do = error.pairs and contradictions < _MANY  # without pairs, what contradicts what is not known
+        mended = self._with_one_changed(planned, fleet, error) if one_will_do else None
         if mended is not None:
             self.turns = ()
             return mended

@@ -113,9 +113,9 @@ class PlannerReplanner(Replanner):
                  distance: float) -> List[Tuple[float, float]]:
         reach = np.hypot(*(places - robot.path.points[0]).T)
         places = places[reach < _ASIDE_REACH]
-        places = places[clear_of(places, [other.path for other in others], distance)]
-        return [(float(x), float(y)) for x, y in nearest_apart(places, robot.path.points[0],
-                                                               apart=lambda count: _SPACING, most=_PLACES)]
+        places = places[sure_gaps(places, [other.path for other in others]) >= distance]
+        return [(float(x), float(y)) for x, y in nearest_apart(places, robot.path.points[0], apart=_SPACING,
+                                                               most=_PLACES)]
 
     def _plan(self, robot: Robot, start: Sequence[float], goal: Sequence[float],
               avoid: Sequence[Disc]) -> Optional[Plan]:
@@ -132,33 +132,21 @@ def _raster(space: ConfigurationSpace) -> np.ndarray:
     return space.grid.centres(np.stack((rows, columns), axis=1) * stride)
 
 
-def clear_of(places: np.ndarray, ways: Sequence[Polyline], distance: float) -> np.ndarray:
-    """Which of some places (M, 2) [m] are surely at least `distance` [m] from all ways."""
-    clear = np.ones(len(places), dtype=bool)
-    for way in ways:
-        clear &= sure_gaps(places, way) >= distance
-    return clear
-
-
-def sure_gaps(places: np.ndarray, way: Polyline) -> np.ndarray:
-    """How far some places (M, 2) [m] are from a way at least (M,) [m]."""
+def sure_gaps(places: np.ndarray, ways: Sequence[Polyline]) -> np.ndarray:
+    """How far some places (M, 2) [m] are from the nearest of some ways at least (M,) [m]; infinite without ways."""
     from scipy.spatial import cKDTree
-    samples = way.position(np.arange(0.0, way.length + _SAMPLES, _SAMPLES))
+    if not ways:
+        return np.full(len(places), np.inf)
+    samples = np.vstack([way.position(np.arange(0.0, way.length + _SAMPLES, _SAMPLES)) for way in ways])
     return cKDTree(samples).query(places)[0] - _SAMPLES
 
 
-def nearest_apart(places: np.ndarray, origin: np.ndarray, *, apart: Callable[[int], float], most: int,
+def nearest_apart(places: np.ndarray, origin: np.ndarray, *, apart: float, most: int,
                   besides: Sequence[np.ndarray] = ()) -> List[np.ndarray]:
-    """Of some places (M, 2) [m] the nearest to `origin`, at most so many, apart from each other and from `besides`.
-
-    Parameters
-    ----------
-    apart : callable
-        How far, when so many are chosen [m].
-    """
+    """Of some places (M, 2) [m] the nearest to `origin`, `apart` [m] from each other and from `besides`."""
     chosen: List[np.ndarray] = []
     for place in places[np.argsort(np.hypot(*(places - origin).T), kind="stable")]:
-        if all(np.hypot(*(place - other)) >= apart(len(chosen)) for other in (*besides, *chosen)):
+        if all(np.hypot(*(place - other)) >= apart for other in (*besides, *chosen)):
             chosen.append(place)
         if len(chosen) == most:
             break

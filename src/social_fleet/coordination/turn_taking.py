@@ -39,7 +39,7 @@ class TurnTaking:
     expired : callable
         Whether to give up.
     attempt : int
-        Which of the parts of the map that robots could wait in to try: 0 for the one that holds most of them.
+        Which of the parts of the map that robots could wait in to try: 0 for the roomiest.
     patience : int, optional
         How often robots may step aside between two arrivals.
 

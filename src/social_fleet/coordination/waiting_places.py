@@ -1,7 +1,7 @@
 """Where a robot of a crowd could wait until others have passed, and what it reaches from there.
 
 The parts of the map that hang together when all goals are occupied decide: from the parts round its own goal, or from
-the one in which most robots stand (the *hub*), a robot can be let in whenever its turn comes.
+the one with most room (the *hub*), a robot can be let in whenever its turn comes.
 """
 
 from typing import Dict, List, Optional, Tuple
@@ -27,7 +27,7 @@ class WaitingPlaces:
     crowd : Crowd
     replanner : Replanner
     attempt : int
-        Which part of the map is the hub: 0 for the one that holds most robots.
+        Which part of the map is the hub: 0 for the one with most room.
     """
 
     def __init__(self, crowd: Crowd, replanner: Replanner, attempt: int) -> None:
@@ -36,10 +36,6 @@ class WaitingPlaces:
         self._attempt = attempt
         self._hub: Optional[np.ndarray] = None
         self._known: Dict[Tuple[str, float], Tuple[int, Regions]] = {}
-        self._parts: Dict[float, Tuple[Regions, np.ndarray]] = {}
-        self._home: Dict[int, np.ndarray] = {}  # which of its room is at home, robot by robot
-        self._largest_of: Tuple[Optional[Regions], int] = (None, 0)
-        self._passable: Dict[Tuple[int, float, Tuple[float, ...]], bool] = {}
         self._gaps: Dict[float, Tuple[np.ndarray, List[Optional[Polyline]]]] = {}
 
     def at_home(self, places: np.ndarray, robot: int) -> np.ndarray:
@@ -54,35 +50,24 @@ class WaitingPlaces:
         """Places at home that are in nobody's way, nearest first."""
         room = self._room_off_ways(robot, at_home=True)
         here = self._crowd.places[robot]
-        return nearest_apart(room, here, apart=lambda count: _APART, most=_PLACES, besides=[here])
+        return nearest_apart(room, here, apart=_APART, most=_PLACES, besides=[here])
 
     def beside_passages(self, robot: int) -> List[np.ndarray]:
         """Places at home that others can drive round: what the widest of them reaches still hangs together."""
         room = self._room(robot)[self._within_reach(robot, at_home=True)]
         away = np.hypot(*(room - self._crowd.places[robot]).T)
+        widest = self._crowd.widest()
+        regions = self._regions("waiting", widest)
+        largest = int(np.argmax(np.bincount(regions.holding(self._room(widest)))[1:])) + 1
         chosen: List[np.ndarray] = []
         for place in room[np.argsort(away, kind="stable")[:_TRIED]]:
-            if all(np.hypot(*(place - other)) >= _APART for other in chosen) and self._leaves_a_passage(robot, place):
+            disc = self._crowd.disc(widest, robot, place)
+            if (all(np.hypot(*(place - other)) >= _APART for other in chosen)
+                    and largest in regions.touching(disc) and not regions.may_be_cut_by(disc)):
                 chosen.append(place)
                 if len(chosen) == _PLACES:
                     break
         return chosen
-
-    def _leaves_a_passage(self, robot: int, place: np.ndarray) -> bool:
-        """Whether the largest part that the widest reaches, all goals and places to wait occupied, is not cut there."""
-        crowd, widest = self._crowd, self._crowd.widest()
-        key = crowd.turns, crowd.robots[robot].body_radius, tuple(place.tolist())
-        if key not in self._passable:
-            regions, disc = self._regions("waiting", widest), crowd.disc(widest, robot, place)
-            self._passable[key] = (self._largest(regions, widest) in regions.touching(disc)
-                                   and not regions.may_be_cut_by(disc))
-        return self._passable[key]
-
-    def _largest(self, regions: Regions, robot: int) -> int:
-        """The part with most room."""
-        if self._largest_of[0] is not regions:
-            self._largest_of = regions, int(np.argmax(np.bincount(regions.holding(self._room(robot)))[1:])) + 1
-        return self._largest_of[1]
 
     def anywhere(self, robot: int) -> List[np.ndarray]:
         """One place in each part that it gets to now where it is in nobody's way, nearest first."""
@@ -122,7 +107,7 @@ class WaitingPlaces:
         return None
 
     def _most_room(self) -> np.ndarray:
-        """A place in the part that most robots could wait in, all goals occupied."""
+        """A place in the part with most room, all goals occupied; of equals, the one in which more robots stand."""
         widest = self._crowd.widest()
         regions = self._regions("goals", widest)
         here = regions.of(self._crowd.places[self._crowd.waiting])
@@ -167,22 +152,13 @@ class WaitingPlaces:
     def _within_reach(self, robot: int, *, at_home: bool) -> np.ndarray:
         """Where of its room a robot could stand now, clear of the others: positions in it."""
         crowd, room = self._crowd, self._room(robot)
-        inside = np.isin(self._standing_parts(robot), self._around(robot))
+        inside = np.isin(self._regions("standing", robot).holding(room), self._around(robot))
         if at_home:
-            if robot not in self._home:
-                self._home[robot] = self.at_home(room, robot)
-            inside &= self._home[robot]
+            inside &= self.at_home(room, robot)
         found = np.flatnonzero(inside)
         others = crowd.others(robot)
         away = np.hypot(*(room[found, None] - crowd.places[others]).T).T
         return found[(away >= crowd.distances[robot, others] + ROOM).all(axis=1)]
-
-    def _standing_parts(self, robot: int) -> np.ndarray:
-        """The part that each place of its room lies in, round all that stand (M,)."""
-        regions, radius = self._regions("standing", robot), self._crowd.robots[robot].body_radius
-        if radius not in self._parts or self._parts[radius][0] is not regions:
-            self._parts[radius] = regions, regions.holding(self._room(robot))
-        return self._parts[radius][1]
 
     def _from_ways(self, robot: int) -> np.ndarray:
         """How far its room is from everybody's way at least (M, R) [m]; kept until a way changes."""
@@ -193,6 +169,6 @@ class WaitingPlaces:
         away, known = self._gaps[radius]
         for other in crowd.waiting:
             if known[other] is not crowd.ways[other]:
-                away[:, other] = sure_gaps(room, crowd.ways[other])
+                away[:, other] = sure_gaps(room, [crowd.ways[other]])
                 known[other] = crowd.ways[other]
         return away
