@@ -4,7 +4,7 @@ import logging
 import math
 import time
 from dataclasses import replace
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,8 @@ from social_fleet.coordination.turns import Turn, sides_of
 from social_fleet.errors import Infeasible, TimedOut
 
 log = logging.getLogger(__name__)
+
+_Result = TypeVar("_Result")
 
 _PATIENCE = 5.0  # for any schedule on given paths, while the robots could take turns instead [s]
 
@@ -319,7 +321,7 @@ def _sorted(rules: Sequence[Precedence]) -> Tuple[Precedence, ...]:
     return tuple(sorted(rules, key=lambda rule: (rule.at, rule.other, rule.other_at)))
 
 
-def _timed(spent: Dict[str, float], what: str, work: Callable):  # type: ignore[no-untyped-def]
+def _timed(spent: Dict[str, float], what: str, work: Callable[[], _Result]) -> _Result:
     begun = time.perf_counter()
     try:
         return work()
