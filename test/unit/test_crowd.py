@@ -23,7 +23,7 @@ def test_one_that_moves_frees_the_way_and_bars_another() -> None:
     found = crowd()
     found.move(1, np.array([9.0, 2.0]), aside=True)
     assert not found.blocked()[0].any() and found.blocked()[2, 1]
-    assert found.turns == 1 and found.moves == [0, 1, 0] and found.aside.tolist() == [False, True, False]
+    assert found.turns == 1 and found.changes == [0, 1, 0] and found.aside.tolist() == [False, True, False]
 
 
 def test_one_aside_is_kept_off_by_more() -> None:
@@ -44,6 +44,21 @@ def test_settled_ones_wait_for_nobody() -> None:
     found = crowd()
     found.waiting.remove(0)
     assert found.settled() == [0] and not found.blocked()[0].any() and not found.harms()[0].any()
+
+
+def test_one_that_is_called_back_stands_in_the_way_again() -> None:
+    found = crowd()
+    found.move(0, found.goals[0])
+    found.waiting.remove(0)
+    found.recall(0)
+    assert found.waiting == [0, 1, 2] and found.settled() == []
+    assert not found.blocked()[0].any() and found.changes[0] == 2
+
+
+def test_how_many_ways_lead_past_a_place() -> None:
+    found = crowd()
+    assert found.passing(2, np.array([(5.0, 0.5), (2.0, 0.5), (2.0, 3.0)])).tolist() == [2, 1, 0]
+    assert found.passing(0, np.zeros((0, 2))).tolist() == []
 
 
 def test_those_under_way_may_be_held_up_by_one_that_waits() -> None:

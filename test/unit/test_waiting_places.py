@@ -1,4 +1,4 @@
-"""Places to wait in a lane with rooms beside it: off the ways, or where others can drive round."""
+"""Places to wait in a lane with rooms beside it, and who is cut off from what."""
 
 from typing import Sequence, Tuple
 
@@ -8,46 +8,54 @@ from test_turn_taking import CORRIDOR, SIDING, replanner
 
 from social_fleet.coordination.crowd import Crowd
 from social_fleet.coordination.waiting_places import WaitingPlaces
+from social_fleet.geometry import Polyline
 
-HALL = """
-    ######################
-    #....................#
-    #....................#
-    #....................#
-    ######################
-"""
 DISTANCE = 0.7
 
 
-def places(text: str, *ends: Tuple[float, float], y: float = 1.5) -> Tuple[Crowd, WaitingPlaces]:
-    robots = [robot(f"robot_{index}", (start, y), (goal, y)) for index, (start, goal) in enumerate(ends)]
+def places(text: str, *ends: Tuple[float, float]) -> Tuple[Crowd, WaitingPlaces]:
+    robots = [robot(f"robot_{index}", (start, 1.5), (goal, 1.5)) for index, (start, goal) in enumerate(ends)]
     crowd = Crowd(robots, len(robots), np.full((len(robots), len(robots)), DISTANCE))
-    return crowd, WaitingPlaces(crowd, replanner(text), 0)
+    return crowd, WaitingPlaces(crowd, replanner(text))
 
 
-def clearances(crowd: Crowd, found: Sequence[np.ndarray], robot: int) -> np.ndarray:
-    others = [crowd.ways[other].position(np.arange(0.0, crowd.ways[other].length, 0.05))
-              for other in crowd.others(robot)]
-    return np.array([min(np.hypot(*(way - place).T).min() for way in others) for place in found])
+def clearances(way: Polyline, found: Sequence[np.ndarray]) -> np.ndarray:
+    points = way.position(np.arange(0.0, way.length, 0.05))
+    return np.array([np.hypot(*(points - place).T).min() for place in found])
 
 
 def test_in_a_lane_the_rooms_beside_it_are_off_the_way() -> None:
     crowd, found = places(SIDING, (8.5, 18.5), (19.5, 2.5))
-    for named in (found.off_ways(0), found.anywhere(0)):
-        assert len(named) and (clearances(crowd, named, 0) >= DISTANCE).all()
+    for named in (found.within_reach(0, [crowd.ways[1]]), found.beyond_others(0, [crowd.ways[1]])):
+        assert len(named) and (clearances(crowd.ways[1], named) >= DISTANCE).all()
         assert any(place[1] > 2.0 for place in named), "in a room"
 
 
 def test_a_bare_corridor_has_none() -> None:
-    _, found = places(CORRIDOR, (2.5, 18.5), (19.5, 3.5))
-    assert not found.off_ways(0) and not found.anywhere(0)
+    crowd, found = places(CORRIDOR, (2.5, 18.5), (20.3, 1.8))
+    assert not found.within_reach(0, [crowd.ways[1]]) and not found.beyond_others(0, [crowd.ways[1]])
 
 
-def test_in_a_hall_one_may_wait_on_ways_that_lead_round_it() -> None:
-    crowd, found = places(HALL, (8.5, 18.5), (19.5, 2.5), y=2.5)
-    named = found.beside_passages(0)
-    assert len(named) and clearances(crowd, named, 0).min() < DISTANCE
-    assert all(abs(place[1] - 2.5) > 0.3 for place in named), "in the middle it would cut the hall in two"
+def test_one_that_stands_ends_the_reach() -> None:
+    crowd, found = places(SIDING, (2.5, 18.5), (9.5, 12.5))
+    assert all(place[0] < 9.5 for place in found.within_reach(0, [crowd.ways[1]]))
+    crowd.move(1, np.array([6.5, 3.5]), aside=True)
+    assert any(place[0] > 13.2 for place in found.beyond_others(0, [Polyline(np.array([(1.5, 1.5), (13.0, 1.5)]))]))
+
+
+def test_places_that_no_other_way_leads_past_are_better() -> None:
+    crowd, found = places(SIDING, (9.5, 18.5), (19.5, 2.5))
+    assert crowd.passing(0, np.array([(6.5, 3.5), (6.5, 1.5)])).tolist() == [0, 1]
+    best = found.within_reach(0, [])
+    cost = [np.hypot(*(place - crowd.places[0])) + crowd.passing(0, place[None])[0] for place in best]
+    assert len(best) == 3 and cost == sorted(cost)
+
+
+def test_a_place_from_which_the_goal_is_cut_off_then_is_none() -> None:
+    crowd, found = places(SIDING, (2.5, 9.5), (4.0, 19.5))
+    assert len(found.within_reach(1, []))
+    assert all(place[0] > 9.5 for place in found.within_reach(1, [], arriving=0))
+    assert all(place[0] > 9.5 for place in found.beyond_others(1, [], arriving=0))
 
 
 def test_a_goal_in_a_lane_cuts_off_those_behind() -> None:
@@ -61,11 +69,3 @@ def test_the_way_to_a_goal_is_barred_by_one_that_stands() -> None:
     assert not found.reaches_goal(0) and found.reaches_goal(1)
     crowd.move(1, np.array([6.5, 3.5]), aside=True)
     assert found.reaches_goal(0)
-
-
-def test_home_is_what_leads_to_the_goal_when_all_others_are_occupied() -> None:
-    _, found = places(SIDING, (2.5, 18.5), (12.0, 9.5))
-    here, there = found.at_home(np.array([(15.5, 1.5), (19.5, 1.5)]), 0).tolist()
-    assert here and there
-    assert found.part(0, np.array([9.5, 1.5])) == 0
-    assert found.part(0, np.array([6.5, 3.5])) != found.part(0, np.array([13.5, 3.5]))

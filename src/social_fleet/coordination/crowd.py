@@ -35,9 +35,9 @@ class Crowd:
     ways : list of Polyline
         How each would drive on to its goal.
     turns : int
-        How often one has moved so far, ...
-    moves : list of int
-        ... and each of them.
+        How often one has moved so far.
+    changes : list of int
+        How often each has moved or got another way.
     """
 
     def __init__(self, robots: Sequence[Robot], planned: int, distances: np.ndarray) -> None:
@@ -49,7 +49,7 @@ class Crowd:
         self.aside = np.zeros(len(robots), dtype=bool)
         self.ways: List[Polyline] = [robot.path for robot in robots]
         self.turns = 0
-        self.moves = [0] * len(robots)
+        self.changes = [0] * len(robots)
         self._near = np.array([gaps(way, self.places) for way in self.ways])  # of every way to every place [m] ...
         self._ends = np.array([gaps(way, self.goals) for way in self.ways])  # ... and to every goal
 
@@ -58,14 +58,28 @@ class Crowd:
         self.places[robot] = place
         self.aside[robot] = aside
         self.turns += 1
-        self.moves[robot] += 1
+        self.changes[robot] += 1
         self._near[:, robot] = [gaps(way, place[None])[0] for way in self.ways]
 
     def lead(self, robot: int, way: Polyline) -> None:
         """Let a robot drive another way from where it stands."""
         self.ways[robot] = way
+        self.changes[robot] += 1
         self._near[robot] = gaps(way, self.places)
         self._ends[robot] = gaps(way, self.goals)
+
+    def recall(self, robot: int) -> None:
+        """Let one that has arrived count as still to arrive: it may make way, and drive back."""
+        self.waiting = sorted([*self.waiting, robot])
+        self.lead(robot, Polyline(self.goals[[robot]]))
+
+    def passing(self, robot: int, places: np.ndarray) -> np.ndarray:
+        """How many of the others' ways lead past some places too near for a robot to stand there (M,)."""
+        counts = np.zeros(len(places), dtype=int)
+        for other in self.waiting:
+            if other != robot:
+                counts += gaps(self.ways[other], places) < self.distances[robot, other] + ROOM
+        return counts
 
     def blocked(self) -> np.ndarray:
         """Whose way who stands in now (R, R): row by row, the others in the way of one that still has to arrive."""

@@ -16,8 +16,6 @@ from social_fleet.planning.overlays.discs import Disc
 log = logging.getLogger(__name__)
 
 _ROOM = 0.05  # kept beyond the safety distance, so that rounding does not undo a repair [m]
-_HUBS = 4  # parts of the map to wait in, one tried after the other, ...
-_PATIENCE = 25  # ... each until so many robots step aside in a row; then all again, however long it takes
 _MANY = 10  # contradictory windows from which on all take turns, rather than that one after the other is mended
 
 Option = Tuple[str, Robot, Tuple[Disc, ...]]
@@ -114,13 +112,9 @@ class Repairs:
             return None
         self._took_turns = frozenset(robot.name for robot in planned)
         asked = [self._asked[robot.name] for robot in planned]
-        for attempt in range(2 * _HUBS):
-            search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
-                                self._finder.safety_distance, self._expired, attempt=attempt % _HUBS,
-                                patience=_PATIENCE if attempt < _HUBS else None)
-            found = search.find()
-            if found is not None:
-                break
+        search = TurnTaking(asked + list(fleet[len(planned):]), len(planned), self._replanner,
+                            self._finder.safety_distance, self._expired)
+        found = search.find()
         if found is None:
             return None
         self.turns = search.turns

@@ -1,16 +1,16 @@
 """Paths on which a fleet could drive one robot after the other, where the given ones admit no schedule at all.
 
-Each robot in turn drives to its goal while all others stand; one that blocks the rest steps aside first. Nobody is to
-drive that way: it is the witness that the windows of these paths have a common order, from which the program finds a
-good one. Derivation: doc/coordination.md.
+Each robot in turn drives to its goal while all others stand; those in its way step aside first, and others for them.
+Nobody is to drive that way: it is the witness that the windows of these paths have a common order, from which the
+program finds a good one. Derivation: doc/coordination.md.
 """
 
 from dataclasses import replace
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
-from social_fleet.coordination.crowd import ROOM, Crowd, gaps
+from social_fleet.coordination.crowd import ROOM, Crowd
 from social_fleet.coordination.replanning import Replanner, joined
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turns import Turn
@@ -19,7 +19,12 @@ from social_fleet.geometry import Polyline
 from social_fleet.planning.overlays.discs import Disc
 from social_fleet.planning.plan import Plan
 
-_ASIDES, _MOST_ASIDES = 2, 8  # times that one robot steps aside, at first, and at most where nothing else helps
+_MOVES = 12  # that others make for one robot in a row, ...
+_DEPTH = 3  # ... each of them perhaps for one that makes way itself, and so on
+_FRUITLESS = 20  # times that way is made and nobody arrives, until ...
+_RECALLS = 6  # ... those that have arrived are called back, so many times, ...
+_RECALLED = 4.0  # ... from so far at the first, twice as far at the second, and so on [m]
+_TRIES = 3  # times that way is made for one robot before it is for one whom a goal of another's cuts off
 
 Distance = Callable[[Robot, Robot], float]
 
@@ -38,10 +43,6 @@ class TurnTaking:
         Of two robots [m].
     expired : callable
         Whether to give up.
-    attempt : int
-        Which of the parts of the map that robots could wait in to try: 0 for the roomiest.
-    patience : int, optional
-        How often robots may step aside between two arrivals.
 
     Attributes
     ----------
@@ -50,19 +51,20 @@ class TurnTaking:
     """
 
     def __init__(self, robots: Sequence[Robot], planned: int, replanner: Replanner, safety_distance: Distance,
-                 expired: Callable[[], bool], *, attempt: int = 0, patience: Optional[int] = None) -> None:
+                 expired: Callable[[], bool]) -> None:
         self._robots = list(robots)
+        self._planned = planned
         self._replanner = replanner
         self._expired = expired
-        self._patience = patience
         self._crowd = Crowd(robots, planned, np.array([[safety_distance(r, s) for s in robots] for r in robots]))
-        self._waiting_places = WaitingPlaces(self._crowd, replanner, attempt)
+        self._waiting_places = WaitingPlaces(self._crowd, replanner)
         self._driven: List[List[Plan]] = [[] for _ in robots]
         self._onward: Dict[int, Plan] = {}  # ways from where robots are, of those that do not drive their own path
-        self._asides = [0] * len(robots)
-        self._allowed = _ASIDES
-        self._kept_off: Dict[int, Tuple[int, int]] = {}  # who waits for whom to move on from its so many-th place
-        self._passed: Dict[Tuple[int, int, int], np.ndarray] = {}  # whose goals one passes from a part of the map
+        self._kept_off: Dict[int, Tuple[int, int]] = {}  # who must not arrive before another's so many-th change
+        self._helped = [0] * len(robots)  # how often way was made for each since one arrived
+        self._moves_left = 0
+        self._recalled: Set[int] = set()  # those that had arrived, until the others have
+        self._recalls = 0
         self.turns: List[Turn] = [Turn(index, 0.0, robots[index].path.length) for index in range(planned, len(robots))]
         self._makes_way = not self._crowd.is_blocked_by(planned)
         for index in range(planned, len(robots)):
@@ -74,20 +76,23 @@ class TurnTaking:
             return None  # those under way would have to wait for others to make way
         fruitless = 0
         while self._crowd.waiting:
-            if self._expired() or self._patience is not None and fruitless > self._patience:
+            if self._expired():
                 return None
+            if self._recalled.issuperset(self._crowd.waiting):
+                self._recalled.clear()
             if self._arrive():
                 fruitless = 0
-            elif self._step_aside():
+                self._helped = [0] * len(self._robots)
+            elif fruitless < _FRUITLESS and self._make_way():
                 fruitless += 1
-            elif self._allowed < _MOST_ASIDES:
-                self._allowed += 1
+            elif self._recall():
+                fruitless = 0
             else:
                 return None
         return [self._rerouted(index) for index in range(len(self._robots))]
 
     def _arrive(self) -> bool:
-        """Let one robot drive to its goal, for good."""
+        """Let one robot drive to its goal, to stay."""
         crowd, blocked, harms = self._crowd, self._crowd.blocked(), self._crowd.harms()
         free = [robot for robot in crowd.waiting if not blocked[robot].any()]
         for robot in sorted(free, key=lambda robot: (harms[:, robot].sum(), robot)):
@@ -123,21 +128,72 @@ class TurnTaking:
             self._use(other, detour)
         return True
 
-    def _step_aside(self) -> bool:
-        """Let one robot that is in the way of others drive where it is in nobody's, nor they in its."""
-        crowd, places = self._crowd, self._waiting_places
-        blocked = crowd.blocked()
-        candidates = [robot for robot in crowd.waiting if self._asides[robot] < self._allowed]
-        candidates.sort(key=lambda robot: (-blocked[:, robot].sum(), robot))
-        for robot in candidates:
-            if blocked[:, robot].any() or not places.at_home(crowd.places[[robot]], robot)[0]:
-                if any(self._park(robot, place) for place in places.off_ways(robot)):
+    def _make_way(self) -> bool:
+        """Let others step aside so that one robot can drive to its goal, or that it may arrive without harm to them."""
+        crowd, blocked = self._crowd, self._crowd.blocked()
+
+        def rank(robot: int) -> Tuple[int, bool, int, int, int]:
+            return (self._helped[robot] // _TRIES, self._is_kept_off(robot), self._helped[robot],
+                    int(blocked[robot].sum()), robot)
+
+        for robot in sorted((robot for robot in crowd.waiting if robot not in self._recalled), key=rank):
+            shut = self._waiting_places.shut_out_by(robot)
+            if shut is not None:
+                self._keep_off(robot, shut)
+            self._helped[robot] += 1
+            self._moves_left = _MOVES
+            if self._is_kept_off(robot):
+                other = self._kept_off[robot][0]
+                if self._lead_away(other, [], robot):
                     return True
-        for robot in candidates:
-            if not self._asides[robot] and any(self._park(robot, place) for place in places.beside_passages(robot)):
+            elif blocked[robot].any() and self._clear(robot, [robot], robot):
                 return True
-        return any(self._park(robot, place) for robot in candidates for place in places.anywhere(robot)
-                   if not self._is_harmed_from(robot, place))
+        return False
+
+    def _clear(self, robot: int, parties: Sequence[int], arriving: int) -> bool:
+        """Bring all that stand in a robot's way where they are in no party's."""
+        while True:
+            blockers = np.flatnonzero(self._crowd.blocked()[robot]).tolist()
+            if not any(self._step_aside(other, parties, arriving) for other in blockers):
+                return not blockers
+
+    def _step_aside(self, robot: int, parties: Sequence[int], arriving: int) -> bool:
+        """Drive out of all parties' ways; best to where one that is then `arriving` does not cut off the goal."""
+        if not self._moves_left or self._expired():
+            return False
+        ways = [self._crowd.ways[party] for party in parties if party != robot]
+        places = self._waiting_places
+        return (self._park_at_one(robot, places.within_reach(robot, ways, arriving=arriving))
+                or self._lead_away(robot, parties, arriving)
+                or self._park_at_one(robot, places.within_reach(robot, ways)))
+
+    def _park_at_one(self, robot: int, places: Sequence[np.ndarray]) -> bool:
+        for place in places:
+            if self._moves_left and self._park(robot, place):
+                self._moves_left -= 1
+                return True
+        return False
+
+    def _lead_away(self, robot: int, parties: Sequence[int], arriving: int) -> bool:
+        """As `_step_aside`, to where others have to make way in turn."""
+        if len(parties) > _DEPTH:
+            return False
+        crowd = self._crowd
+        ways = [crowd.ways[party] for party in parties if party != robot]
+        for place in self._waiting_places.beyond_others(robot, ways, arriving=arriving):
+            there = self._way(robot, place, crowd.settled())
+            if there is None or self._way(robot, crowd.goals[robot], crowd.settled(), start=place) is None:
+                continue
+            before = self._onward.get(robot), crowd.ways[robot]
+            self._use(robot, there)
+            led = crowd.ways[robot]
+            cleared = self._clear(robot, [*parties, robot], arriving)
+            if crowd.ways[robot] is not led:
+                return False  # it had to make way itself
+            self._take_back(robot, *before)
+            if cleared and self._park_at_one(robot, [place]):
+                return True
+        return False
 
     def _park(self, robot: int, place: np.ndarray) -> bool:
         there = self._way(robot, place, self._crowd.others(robot))
@@ -148,29 +204,33 @@ class TurnTaking:
         self._use(robot, there)
         self._drive(robot, aside=True)
         self._use(robot, onward)
-        self._asides[robot] += 1
         return True
 
-    def _is_harmed_from(self, robot: int, place: np.ndarray) -> bool:
-        """Whether from a place it would pass the goal of one whose way passes its own, or get to its goal not at all.
-
-        What it passes from one part between the goals is looked up once, until somebody arrives.
-        """
+    def _recall(self) -> bool:
+        """Let those that have arrived near the rest, or near their goals, make way once more."""
         crowd = self._crowd
-        key = robot, self._waiting_places.part(robot, place), len(crowd.waiting)
-        if not key[1] or key not in self._passed:
-            onward = self._way(robot, crowd.goals[robot], crowd.settled(), start=place)
-            self._passed[key] = (np.ones(len(self._robots), dtype=bool) if onward is None else
-                                 gaps(Polyline(onward.points), crowd.goals) < crowd.distances[robot])
-        return bool((self._passed[key] & crowd.harms()[:, robot]).any())
+        if self._recalls == _RECALLS:
+            return False
+        self._recalls += 1
+        ends = np.vstack((crowd.places[crowd.waiting], crowd.goals[crowd.waiting]))
+        for robot in crowd.settled():
+            plan = self._robots[robot].plan
+            near = np.hypot(*(ends - crowd.goals[robot]).T).min() < _RECALLED * self._recalls
+            if near and robot < self._planned and isinstance(plan, Plan):
+                if not self._driven[robot]:
+                    self._driven[robot].append(plan)
+                self._onward.pop(robot, None)
+                crowd.recall(robot)
+                self._recalled.add(robot)
+        return True
 
     def _keep_off(self, robot: int, other: int) -> None:
-        """Remember that a robot must not arrive before another, as long as that stays where it is."""
-        self._kept_off[robot] = other, self._crowd.moves[other]
+        """Remember that a robot must not arrive before another, as long as nothing changes for that."""
+        self._kept_off[robot] = other, self._crowd.changes[other]
 
     def _is_kept_off(self, robot: int) -> bool:
-        other, moves = self._kept_off.get(robot, (robot, -1))
-        return moves == self._crowd.moves[other]
+        other, changes = self._kept_off.get(robot, (robot, -1))
+        return robot in self._recalled or changes == self._crowd.changes[other]
 
     def _drive(self, robot: int, *, aside: bool = False) -> None:
         """Take a turn along the way at hand."""
@@ -184,6 +244,14 @@ class TurnTaking:
     def _use(self, robot: int, plan: Plan) -> None:
         self._onward[robot] = plan
         self._crowd.lead(robot, Polyline(plan.points))
+
+    def _take_back(self, robot: int, plan: Optional[Plan], way: Polyline) -> None:
+        """Undo `_use`."""
+        self._crowd.lead(robot, way)
+        if plan is None:
+            del self._onward[robot]
+        else:
+            self._onward[robot] = plan
 
     def _way(self, robot: int, goal: np.ndarray, parked: Sequence[int], *, start: Optional[np.ndarray] = None,
              arrived: Optional[int] = None) -> Optional[Plan]:
@@ -202,7 +270,7 @@ class TurnTaking:
 
     def _rerouted(self, index: int) -> Robot:
         robot, plans = self._robots[index], self._driven[index]
-        if not plans:
+        if not plans or len(plans) == 1 and plans[0] is robot.plan:
             return robot
         plan = plans[0]
         stops: List[float] = []
