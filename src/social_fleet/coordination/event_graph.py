@@ -15,6 +15,9 @@ from social_fleet.coordination.timing import Timing
 
 _CREEP = 2.0  # a stretch is driven at no less than nominal speed over this; what is longer is waited standing
 
+SPREAD = -1
+"""What `spread` returns when all events have times."""
+
 
 class Wait(NamedTuple):
     """`follower` leaves the moments `at` [s] of its nominal motion after `leader` reaches the moments `clear`."""
@@ -202,45 +205,60 @@ def _moments(motions: Sequence[Motion], waits: Sequence[Wait]) -> List[np.ndarra
 
 @njit(cache=True)
 def longest_path(events, edges, sides, margin):  # type: ignore[no-untyped-def]
-    """See `EventGraph.least_times`; by Kahn's order over the edges that `sides` makes active."""
+    """See `EventGraph.least_times`."""
     count = len(events.floors)
-    degrees = np.zeros(count, np.int64)
-    for edge in range(len(edges.heads)):
-        if sides[edges.owners[edge]] == edges.chosen[edge]:
-            degrees[edges.heads[edge]] += 1
-    times = events.floors.copy()
-    queue = np.empty(count, np.int64)
-    low, high = 0, 0
-    for node in range(count):
-        if not events.first[node]:
-            degrees[node] += 1
-        if degrees[node] == 0:
-            queue[high] = node
-            high += 1
-    while low < high:
-        node = queue[low]
-        low += 1
-        if events.fixed[node]:
-            if times[node] > events.floors[node] + 1e-6:
-                return times, np.inf
-            times[node] = events.floors[node]
-        if node + 1 < count and not events.first[node + 1]:
-            times[node + 1] = max(times[node + 1], times[node] + events.floors[node + 1] - events.floors[node])
-            degrees[node + 1] -= 1
-            if degrees[node + 1] == 0:
-                queue[high] = node + 1
-                high += 1
-        for edge in range(edges.starts[node], edges.starts[node + 1]):
-            if sides[edges.owners[edge]] == edges.chosen[edge]:
-                target = edges.heads[edge]
-                times[target] = max(times[target], times[node] + margin)
-                degrees[target] -= 1
-                if degrees[target] == 0:
-                    queue[high] = target
-                    high += 1
-    if high < count:
+    times, causes = np.empty(count), np.empty(count, np.int64)
+    degrees, queue = np.empty(count, np.int64), np.empty(count, np.int64)
+    if spread(events, edges, sides, margin, times, causes, degrees, queue) != SPREAD:
         return times, np.inf
     delay = 0.0
     for goal in events.goals:
         delay += times[goal] - events.floors[goal]
     return times, delay
+
+
+@njit(cache=True, nogil=True)
+def spread(events, edges, sides, margin, times, causes, degrees, queue):  # type: ignore[no-untyped-def]
+    """Fill in least times and what each comes from, by Kahn's order over the edges that `sides` makes active.
+
+    `causes` holds the edge that an event's time comes from, or -1 where it is the event before. Returns `SPREAD`, the
+    event of a fixed robot that would have to wait, or the number of events where waits close a cycle: then `degrees`
+    are left over on it and behind it.
+    """
+    count = len(events.floors)
+    for event in range(count):
+        times[event], causes[event] = events.floors[event], -1
+        degrees[event] = 0 if events.first[event] else 1
+    for edge in range(len(edges.heads)):
+        if sides[edges.owners[edge]] == edges.chosen[edge]:
+            degrees[edges.heads[edge]] += 1
+    low, high = 0, 0
+    for event in range(count):
+        if degrees[event] == 0:
+            queue[high] = event
+            high += 1
+    while low < high:
+        event = queue[low]
+        low += 1
+        if events.fixed[event]:
+            if times[event] > events.floors[event] + 1e-6:
+                return event
+            times[event] = events.floors[event]
+        if event + 1 < count and not events.first[event + 1]:
+            after = times[event] + events.floors[event + 1] - events.floors[event]
+            if after > times[event + 1]:
+                times[event + 1], causes[event + 1] = after, -1
+            degrees[event + 1] -= 1
+            if degrees[event + 1] == 0:
+                queue[high] = event + 1
+                high += 1
+        for edge in range(edges.starts[event], edges.starts[event + 1]):
+            if sides[edges.owners[edge]] == edges.chosen[edge]:
+                head = edges.heads[edge]
+                if times[event] + margin > times[head]:
+                    times[head], causes[head] = times[event] + margin, edge
+                degrees[head] -= 1
+                if degrees[head] == 0:
+                    queue[high] = head
+                    high += 1
+    return SPREAD if high == count else count

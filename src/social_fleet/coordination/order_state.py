@@ -39,6 +39,8 @@ class OrderState:
         Which orders the starts and goals allow.
     sides : (W,) array
         0 where r goes first, 1 where s does, -1 where the window is open.
+    robots : (E,) array
+        Whose each event is.
     """
 
     def __init__(self, graph: EventGraph, motions: Sequence[Motion], weights: np.ndarray, longest: bool) -> None:
@@ -49,7 +51,7 @@ class OrderState:
         self.weights, self.longest = weights, longest
         self._events = graph.events
         self._offsets = graph.offsets
-        self._robots = np.repeat(np.arange(len(motions)), np.diff(self._offsets))
+        self.robots = np.repeat(np.arange(len(motions)), np.diff(self._offsets))
         self._fixed = np.array([motion.fixed for motion in motions], dtype=np.bool_)
         self.goals = self._offsets[1:] - 1
         self.times = self._events.floors.copy()
@@ -74,7 +76,7 @@ class OrderState:
         rows = self.rows
         self._given.append((window, self._top))
         self._top, bad = order_kernels.give(
-            window, side, self.times, self._causes, self._events.floors, self._offsets, self._robots, self._fixed,
+            window, side, self.times, self._causes, self._events.floors, self._offsets, self.robots, self._fixed,
             self.latest, rows.tails, rows.heads, rows.starts, rows.outgoing, rows.out_starts, rows.owners, self.sides,
             self.graph.margin, *self._scratch, *self._trail, self._top)
         if bad >= 0 and self._top > len(self._trail[0]) - 4 * len(self.goals) and not self._is_closed(int(bad)):
@@ -99,7 +101,7 @@ class OrderState:
     def robots_of(self, window: int) -> np.ndarray:
         """The two robots of a window (2,)."""
         row = self.rows.starts[2 * window + int(not self.possible[window, 0])]
-        return self._robots[[self.rows.tails[row], self.rows.heads[row]]]
+        return self.robots[[self.rows.tails[row], self.rows.heads[row]]]
 
     def arrivals(self) -> np.ndarray:
         """Earliest arrivals of all robots (R,) [s]."""
@@ -137,7 +139,7 @@ class OrderState:
         rows, top, sides = self.rows, self._top, self.sides.copy()
         high, found = order_kernels.dive(
             wanted, by_time, cap, self.longest, self.weights, self.goals, self._windows_of, self._window_starts,
-            self.times, self._causes, self._events.floors, self._offsets, self._robots, self._fixed, self.latest,
+            self.times, self._causes, self._events.floors, self._offsets, self.robots, self._fixed, self.latest,
             rows.tails, rows.heads, rows.starts, rows.outgoing, rows.out_starts, rows.owners, self.possible, self.sides,
             self.graph.margin, *self._scratch, *self._trail, top)
         chosen = self.sides.copy()
@@ -166,13 +168,13 @@ class OrderState:
 
     def _walk(self, event: int) -> Tuple[np.ndarray, bool]:
         """The rows that an event's time comes from, back to a departure; or those of a cycle, and that it is one."""
-        return order_kernels.walk(event, self._causes, self.rows.tails, self._offsets, self._robots)
+        return order_kernels.walk(event, self._causes, self.rows.tails, self._offsets, self.robots)
 
     def _by_robot(self, robots: int) -> Tuple[np.ndarray, np.ndarray]:
         """The windows of every robot, one robot after the other, and where each robot's begin."""
         first_rows = self.rows.starts[:-1].reshape(-1, 2)[self.possible]
         windows = np.nonzero(self.possible)[0]
-        ends = np.concatenate((self._robots[self.rows.tails[first_rows]], self._robots[self.rows.heads[first_rows]]))
+        ends = np.concatenate((self.robots[self.rows.tails[first_rows]], self.robots[self.rows.heads[first_rows]]))
         pairs = np.unique(np.stack((ends, np.tile(windows, 2)), axis=1), axis=0)
         return (np.ascontiguousarray(pairs[:, 1]),
                 np.searchsorted(pairs[:, 0], np.arange(robots + 1)).astype(np.int64))

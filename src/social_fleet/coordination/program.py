@@ -26,8 +26,7 @@ _PROOFS = 2  # calls of the master when they have been searched, ...
 _NODES = 5  # ... and of its own search in each, while it has more binaries than ...
 _FEW = 60  # ... this; with fewer, as many as it takes
 _CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven, ...
-_LONG = 4  # ... and up to so many times as many neighbourhoods are searched, ...
-_SQUARES = 1_400_000_000  # ... fewer where this over the windows' square is less: what one costs grows as fast
+_TURNED = 8000  # ... but so many orders are turned round
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
 
 
@@ -137,9 +136,8 @@ class ExactProgram:
                 break
             search.improve(_TRIES, gap=self._gap, deadline=end())
             self._prove(search, end(), calls=_PROOFS)
-        if hopeless:
-            tries = min(max(_SQUARES // len(self.encounters) ** 2, _TRIES), _LONG * _TRIES)
-            search.improve(self._effort * tries, gap=self._gap, deadline=deadline)
+        if hopeless and math.isfinite(search.cost):
+            search.anneal(self._effort * _TURNED, deadline=deadline)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=first, solver=self._solver)
         if not math.isfinite(search.cost):

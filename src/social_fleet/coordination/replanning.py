@@ -162,6 +162,14 @@ def _with_plan(robot: Robot, plan: Plan) -> Robot:
     return replace(robot, plan=plan)
 
 
+def plan_of(robot: Robot) -> Plan:
+    """The robot's path as a plan; where it was given as points, one without a social cost."""
+    if isinstance(robot.plan, Plan):
+        return robot.plan
+    length = robot.path.length
+    return Plan(robot.path.points, length, 0.0, length, 0, 0.0, "given", robot.body_radius)
+
+
 def joined(first: Plan, second: Plan) -> Plan:
     """Two plans driven one after the other."""
     return replace(second, points=np.vstack((first.points, second.points[1:])), length=first.length + second.length,

@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 import numpy as np
 
 from social_fleet.coordination.crowd import ROOM, Crowd
-from social_fleet.coordination.replanning import Replanner, joined
+from social_fleet.coordination.replanning import Replanner, joined, plan_of
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turns import Turn
 from social_fleet.coordination.waiting_places import WaitingPlaces
@@ -176,7 +176,7 @@ class TurnTaking:
 
     def _lead_away(self, robot: int, parties: Sequence[int], arriving: int) -> bool:
         """As `_step_aside`, to where others have to make way in turn."""
-        if len(parties) > _DEPTH:
+        if len(parties) > _DEPTH or robot in parties[1:]:
             return False
         crowd = self._crowd
         ways = [crowd.ways[party] for party in parties if party != robot]
@@ -214,11 +214,10 @@ class TurnTaking:
         self._recalls += 1
         ends = np.vstack((crowd.places[crowd.waiting], crowd.goals[crowd.waiting]))
         for robot in crowd.settled():
-            plan = self._robots[robot].plan
             near = np.hypot(*(ends - crowd.goals[robot]).T).min() < _RECALLED * self._recalls
-            if near and robot < self._planned and isinstance(plan, Plan):
+            if near and robot < self._planned:
                 if not self._driven[robot]:
-                    self._driven[robot].append(plan)
+                    self._driven[robot].append(plan_of(self._robots[robot]))
                 self._onward.pop(robot, None)
                 crowd.recall(robot)
                 self._recalled.add(robot)
@@ -270,7 +269,7 @@ class TurnTaking:
 
     def _rerouted(self, index: int) -> Robot:
         robot, plans = self._robots[index], self._driven[index]
-        if not plans or len(plans) == 1 and plans[0] is robot.plan:
+        if not plans or len(plans) == 1 and np.array_equal(plans[0].points, robot.path.points):
             return robot
         plan = plans[0]
         stops: List[float] = []
