@@ -8,6 +8,7 @@ import pytest
 from fleets import robot
 from worlds import grid_from_text
 
+from social_fleet.coordination import turn_taking
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.program import ExactProgram, Solution
@@ -83,6 +84,20 @@ def test_turns_in_a_lane_with_sidings(ends: List[Tuple[float, float]]) -> None:
     assert after is not None
     encounters = EncounterFinder(0.1).find(after)
     assert len(encounters) and (sides_of(turns, after, encounters) >= 0).all()
+
+
+def test_who_makes_way_may_need_others_to_make_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots = lane((13.0, 4.0), (7.0, 16.0), (11.5, 7.0), (14.5, 2.5))
+    check(robots, *turns_of(robots, SIDING))
+    monkeypatch.setattr(turn_taking, "_DEPTH", 0)
+    assert turns_of(robots, SIDING)[0] is None
+
+
+def test_those_that_have_arrived_may_be_called_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots = lane((5.5, 10.0), (10.0, 14.5), (8.5, 2.5), (11.5, 7.0))
+    check(robots, *turns_of(robots, SIDING))
+    monkeypatch.setattr(turn_taking, "_RECALLS", 0)
+    assert turns_of(robots, SIDING)[0] is None
 
 
 def test_those_that_are_in_nobody_s_way_keep_their_paths() -> None:
