@@ -11,7 +11,7 @@ import numpy as np
 from social_fleet.coordination.encounters import Encounter, EncounterFinder, Order, contradiction, forced_reasons
 from social_fleet.coordination.event_graph import Motion
 from social_fleet.coordination.former_orders import FormerOrders
-from social_fleet.coordination.options import check_options
+from social_fleet.coordination.options import OUT_OF_TIME, check_options
 from social_fleet.coordination.order_search import Contradiction
 from social_fleet.coordination.paper_program import solve_as_printed
 from social_fleet.coordination.program import ExactProgram, Solution
@@ -201,7 +201,7 @@ class _Job:
     def run_as_printed(self, robots: Sequence[Robot]) -> FleetSchedule:
         """Eq. 5-8 of the paper, all windows at once."""
         if time.monotonic() > self.deadline:
-            raise TimedOut("no schedule within the time limit; allow more time")
+            raise TimedOut(OUT_OF_TIME)
         planned = sorted(robots, key=lambda robot: robot.name)
         fleet = planned + [schedule.robot for schedule in self.fixed]
         spent = {"encounters": 0.0, "solve": 0.0}

@@ -11,7 +11,7 @@ from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 import numpy as np
 
 from social_fleet.coordination.conflict_regions import Links, cut_into_links
-from social_fleet.coordination.robot import Robot
+from social_fleet.coordination.robot import Robot, safety_distance
 from social_fleet.coordination.schedule import KINDS
 from social_fleet.coordination.window_rows import WindowRows, window_rows
 
@@ -90,7 +90,7 @@ class EncounterFinder:
 
     def safety_distance(self, r: Robot, s: Robot) -> float:
         """Distance between two robots' centres below which they count as in each other's way [m]."""
-        return r.body_radius + s.body_radius + 2.0 * self.tolerance
+        return safety_distance(r.body_radius, s.body_radius, self.tolerance)
 
     def find(self, robots: Sequence[Robot], *, fixed: int = 0) -> List[Encounter]:
         """All windows of `robots`; pairs among the last `fixed` ones are left out."""

@@ -8,6 +8,8 @@ from social_fleet.errors import InvalidScenario
 MODES = ("simultaneous", "sequential", "unified")
 FORMULATIONS = ("exact", "paper")
 OBJECTIVES = ("sum_of_completion", "makespan")
+OUT_OF_TIME = "no schedule within the time limit; allow more time or send fewer robots at once"
+"""What `TimedOut` says when the limit passed before there was any schedule."""
 
 
 def check_options(*, mode: str, formulation: str, objective: str, effort: int, repairs: int, gap: float,

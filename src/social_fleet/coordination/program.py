@@ -16,6 +16,7 @@ import numpy as np
 
 from social_fleet.coordination.encounters import Encounter, Order
 from social_fleet.coordination.event_graph import EventGraph, Motion, Pace, Sides, Wait
+from social_fleet.coordination.options import OUT_OF_TIME
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
 from social_fleet.coordination.timing import Timing
 from social_fleet.errors import SolverFailed, TimedOut
@@ -105,7 +106,7 @@ class ExactProgram:
             if waits == (None, None):
                 raise Contradiction([window])
         if time.monotonic() > deadline:
-            raise TimedOut("no schedule within the time limit; allow more time")
+            raise TimedOut(OUT_OF_TIME)
         graph = EventGraph(self.motions, self._waits, self.margin)
         first = min(deadline, time.monotonic() + patience)
         try:
@@ -141,7 +142,7 @@ class ExactProgram:
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=first, solver=self._solver)
         if not math.isfinite(search.cost):
-            raise TimedOut("no schedule within the time limit; allow more time or send fewer robots at once")
+            raise TimedOut(OUT_OF_TIME)
         return search
 
     def _prove(self, search: OrderSearch, deadline: float, *, calls: int) -> None:

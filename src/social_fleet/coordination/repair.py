@@ -6,6 +6,7 @@ from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Sequence
 import numpy as np
 
 from social_fleet.coordination.encounters import EncounterFinder
+from social_fleet.coordination.options import OUT_OF_TIME
 from social_fleet.coordination.replanning import Replanner
 from social_fleet.coordination.robot import Robot
 from social_fleet.coordination.turn_taking import TurnTaking
@@ -83,7 +84,7 @@ class Repairs:
             return mended
         mended = self._taking_turns(planned, fleet)
         if mended is None and self._expired():
-            raise TimedOut("no schedule within the time limit; allow more time or send fewer robots at once") from error
+            raise TimedOut(OUT_OF_TIME) from error
         if mended is None:
             raise error
         return mended

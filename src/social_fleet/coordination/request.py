@@ -4,7 +4,7 @@ from typing import Sequence
 
 import numpy as np
 
-from social_fleet.coordination.robot import Robot
+from social_fleet.coordination.robot import Robot, safety_distance
 from social_fleet.coordination.schedule import Schedule
 from social_fleet.coordination.verification import verify
 from social_fleet.errors import InvalidScenario
@@ -62,7 +62,7 @@ def _check_apart(robots: Sequence[Robot], end: int, what: str, tolerance: float,
         counted = ~(settled[rows] & settled[columns])
     rows, columns = rows[counted], columns[counted]
     apart = np.hypot(*(points[rows] - points[columns]).T)
-    needed = radii[rows] + radii[columns] + 2.0 * tolerance
+    needed = safety_distance(radii[rows], radii[columns], tolerance)
     for pair in np.flatnonzero(apart < needed)[:1]:
         r, s = robots[rows[pair]].name, robots[columns[pair]].name
         x, y = points[rows[pair]]

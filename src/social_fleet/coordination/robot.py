@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Optional, Tuple, Union
+from typing import Optional, Tuple, TypeVar, Union
 
 import numpy as np
 
@@ -13,6 +13,14 @@ from social_fleet.planning.plan import Plan
 
 
 _MOST = 1000.0  # of any limit: beyond what drives, and within what times can be computed for
+
+
+_Lengths = TypeVar("_Lengths", float, np.ndarray)
+
+
+def safety_distance(radius: _Lengths, other_radius: _Lengths, tracking_tolerance: float) -> _Lengths:
+    """Between two robots' centres, below which they count as in each other's way; for one pair or many [m]."""
+    return radius + other_radius + 2.0 * tracking_tolerance
 
 
 def _is_finite(value: object) -> bool:

@@ -5,6 +5,7 @@ import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
+from social_fleet.coordination.robot import safety_distance
 from social_fleet.errors import InvalidScenario
 from social_fleet.simulation.config import SimulationConfig
 from social_fleet.simulation.faults import CircleObstacle, Fault
@@ -141,7 +142,7 @@ def _check_apart(robots: Sequence[RobotSpec], end: str, tolerance: float, source
         for other in robots[:index]:
             here, there = getattr(robot, end), getattr(other, end)
             distance = math.hypot(here[0] - there[0], here[1] - there[1])
-            needed = robot.radius + other.radius + 2.0 * tolerance
+            needed = safety_distance(robot.radius, other.radius, tolerance)
             if distance < needed:
                 raise InvalidScenario(
                     f"robot {robot.name} would stand {distance:.2f} m from the {end} of robot {other.name}; "

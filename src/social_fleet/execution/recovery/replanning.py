@@ -9,7 +9,7 @@ import numpy as np
 
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.replanning import PlannerReplanner
-from social_fleet.coordination.robot import Robot
+from social_fleet.coordination.robot import Robot, safety_distance
 from social_fleet.coordination.schedule import Schedule
 from social_fleet.errors import Infeasible, SocialFleetError
 from social_fleet.execution.recovery.decision import SIMULTANEOUS
@@ -127,7 +127,8 @@ class _Job:
         """Two robots that would end too close to each other, one of which at least need not; None: no such two."""
         for one, other in combinations(sorted(robots), 2):
             gap = robots[one].path.points[-1] - robots[other].path.points[-1]
-            needed = (robots[one].body_radius + robots[other].body_radius + 2.0 * self.options.tracking_tolerance)
+            needed = safety_distance(robots[one].body_radius, robots[other].body_radius,
+                                     self.options.tracking_tolerance)
             if np.hypot(*gap) < needed and (self._moves(robots[one]) or self._moves(robots[other])):
                 return one, other
         return None
