@@ -26,6 +26,8 @@ _RECALLS = 6  # ... those that have arrived are called back, so many times, ...
 _RECALLED = 4.0  # ... from so far at the first, twice as far at the second, and so on [m]
 _TRIES = 3  # times that way is made for one robot before it is for one whom a goal of another's cuts off
 
+_BESIDE = 0.02  # that ways begin and end outside of what they keep out of, where there is little room [m]
+
 Distance = Callable[[Robot, Robot], float]
 
 
@@ -264,7 +266,8 @@ class TurnTaking:
             ends = min(np.hypot(*(start - (x, y))), np.hypot(*(goal - (x, y))))
             if ends < distance:
                 return None
-            discs.append(Disc(float(x), float(y), float(min(distance + ROOM, 0.5 * (distance + ends)))))
+            radius = min(distance + ROOM, max(0.5 * (distance + ends), ends - _BESIDE))
+            discs.append(Disc(float(x), float(y), float(radius)))
         return self._replanner.way(self._robots[robot], start, goal, discs)
 
     def _rerouted(self, index: int) -> Robot:
