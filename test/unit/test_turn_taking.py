@@ -1,16 +1,18 @@
 """Fleets that no schedule fits on their own paths, and the turns that they could take; judged from the motion alone."""
 
 import math
-from typing import Callable, List, Optional, Tuple
+import time
+from typing import Any, Callable, List, Optional, Tuple
 
 import numpy as np
 import pytest
 from fleets import robot
 from worlds import grid_from_text
 
-from social_fleet.coordination import turn_taking
+from social_fleet.coordination import program, turn_taking
 from social_fleet.coordination.coordinator import coordinate
 from social_fleet.coordination.encounters import EncounterFinder
+from social_fleet.coordination.order_search import OrderSearch
 from social_fleet.coordination.program import ExactProgram, Solution
 from social_fleet.coordination.replanning import PlannerReplanner
 from social_fleet.coordination.robot import Robot
@@ -34,6 +36,7 @@ CORRIDOR = """
     ######################
 """
 DISTANCE = 0.7  # that robots of 0.25 m keep: their radii and twice the tolerance [m]
+LINK = 0.1  # that ways keep beyond it from those that stand aside, so that their windows end there [m]
 
 
 def replanner(text: str) -> PlannerReplanner:
@@ -64,7 +67,8 @@ def check(before: List[Robot], after: Optional[List[Robot]], turns: List[Turn]) 
         for other in range(len(after)):
             if other != turn.robot and len(way):
                 gaps = way - after[other].path.position(at[other])
-                assert np.hypot(gaps[:, 0], gaps[:, 1]).min() >= DISTANCE - 1e-3
+                aside = 1e-6 < at[other] < after[other].path.length - 1e-6
+                assert np.hypot(gaps[:, 0], gaps[:, 1]).min() >= DISTANCE + aside * LINK - 1e-3
         at[turn.robot] = turn.high
     assert at == pytest.approx([robot_.path.length for robot_ in after], abs=1e-6)
     for one, other in zip(before, after):
@@ -123,6 +127,35 @@ def test_it_gives_up_when_its_time_is_over() -> None:
     assert turns_of(lane(*HEAD_ON), SIDING, expired=lambda: True)[0] is None
 
 
+@pytest.mark.parametrize("asked", [1, 5, 10, 20])
+def test_once_its_time_is_over_it_soon_ends(asked: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: List[bool] = []  # of the clock: whether time was over
+    late: List[int] = []
+    way = PlannerReplanner.way
+
+    def expired() -> bool:
+        calls.append(len(calls) >= asked)
+        return calls[-1]
+
+    def counted(*args: Any) -> Any:
+        late.append(calls[-1])
+        return way(*args)
+
+    monkeypatch.setattr(PlannerReplanner, "way", counted)
+    assert turns_of(lane(*REVERSED), SIDING, expired=expired)[0] is None
+    assert sum(late) <= 4, "what was begun for one place may end"
+
+
+def test_ways_lead_round_the_goals_of_those_under_way() -> None:
+    """The lane is barred for good: there is no way past, and none is looked for by making way."""
+    robots = lane((2.5, 18.5), (14.5, 9.5))
+    assert turns_of(robots, SIDING, planned=1)[0] is None
+    away = lane((2.5, 18.5)) + [robot("robot_1", (14.5, 1.5), (13.5, 1.5), (13.5, 3.5))]
+    after, turns = turns_of(away, SIDING, planned=1)
+    check(away, after, turns)
+    assert after is not None and after[1] is away[1]
+
+
 def test_a_fleet_that_one_changed_path_does_not_help_gets_a_schedule() -> None:
     robots = lane(*REVERSED)
     fleet = coordinate(robots, replanner=replanner(SIDING))
@@ -133,10 +166,10 @@ def test_a_fleet_that_one_changed_path_does_not_help_gets_a_schedule() -> None:
 def test_where_orders_are_not_found_in_time_they_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     solve = ExactProgram.solve
 
-    def undecided(program: ExactProgram, *, deadline: float, patience: float = math.inf) -> Solution:
+    def undecided(exact: ExactProgram, *, deadline: float, patience: float = math.inf) -> Solution:
         if math.isfinite(patience):
             raise TimedOut("not in time")
-        return solve(program, deadline=deadline)
+        return solve(exact, deadline=deadline)
 
     monkeypatch.setattr(ExactProgram, "solve", undecided)
     fleet = coordinate(lane((2.5, 8.5), (12.5, 18.5)), replanner=replanner(SIDING))
@@ -144,6 +177,24 @@ def test_where_orders_are_not_found_in_time_they_take_turns(monkeypatch: pytest.
     assert verify(fleet).min_clearance >= 0.2 - 1e-6
 
 
-def test_the_same_turns_whatever_was_tried_before() -> None:
+@pytest.mark.parametrize("objective", ["sum_of_completion", "makespan"])
+def test_orders_of_a_crowd_are_annealed(objective: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    deadlines: List[float] = []
+    anneal = OrderSearch.anneal
+
+    def watched(search: OrderSearch, tries: int, *, gap: float, deadline: float) -> None:
+        deadlines.append(deadline - time.monotonic())
+        before = search.cost
+        anneal(search, tries, gap=gap, deadline=deadline)
+        assert search.cost <= before and search.state.kept(search.state.graph.least_times(search.sides)[0]).any(1).all()
+
+    monkeypatch.setattr(OrderSearch, "anneal", watched)
+    monkeypatch.setattr(program, "_CROWDED", 0)
+    fleet = coordinate(lane(*REVERSED), replanner=replanner(SIDING), objective=objective, time_limit=20.0)
+    assert len(deadlines) == 1 and 0.0 < deadlines[0] <= 20.0
+    assert verify(fleet).min_clearance >= 0.2 - 1e-6 and "in turn" in fleet.message
+
+
+def test_equal_input_gives_equal_turns() -> None:
     first, second = turns_of(lane(*REVERSED), SIDING), turns_of(lane(*REVERSED), SIDING)
     assert first[1] == second[1]

@@ -3,9 +3,11 @@
 from typing import Sequence, Tuple
 
 import numpy as np
+import pytest
 from fleets import robot
 from test_turn_taking import CORRIDOR, SIDING, replanner
 
+from social_fleet.coordination import waiting_places
 from social_fleet.coordination.crowd import Crowd
 from social_fleet.coordination.waiting_places import WaitingPlaces
 from social_fleet.geometry import Polyline
@@ -43,12 +45,15 @@ def test_one_that_stands_ends_the_reach() -> None:
     assert any(place[0] > 13.2 for place in found.beyond_others(0, [Polyline(np.array([(1.5, 1.5), (13.0, 1.5)]))]))
 
 
-def test_places_that_no_other_way_leads_past_are_better() -> None:
+def test_places_that_no_other_way_leads_past_are_better(monkeypatch: pytest.MonkeyPatch) -> None:
     crowd, found = places(SIDING, (9.5, 18.5), (19.5, 2.5))
     assert crowd.passing(0, np.array([(6.5, 3.5), (6.5, 1.5)])).tolist() == [0, 1]
     best = found.within_reach(0, [])
     cost = [np.hypot(*(place - crowd.places[0])) + crowd.passing(0, place[None])[0] for place in best]
     assert len(best) == 3 and cost == sorted(cost)
+    monkeypatch.setattr(waiting_places, "_PASSING", 100.0)
+    off, on = found.within_reach(0, [])[0], best[0]
+    assert crowd.passing(0, np.array([off, on])).tolist() == [0, 1], "now the way of the other counts for more"
 
 
 def test_a_place_from_which_the_goal_is_cut_off_then_is_none() -> None:

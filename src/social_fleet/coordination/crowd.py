@@ -20,7 +20,7 @@ class Crowd:
     robots : sequence of Robot
         With the paths that they would like to drive.
     planned : int
-        How many of them have to arrive yet; the rest do not move.
+        How many of them have to arrive yet; the rest are settled.
     distances : (R, R) array
         What each two of them keep between their centres [m].
 
@@ -105,10 +105,6 @@ class Crowd:
     def others(self, robot: int) -> List[int]:
         """All but one."""
         return [other for other in range(len(self.robots)) if other != robot]
-
-    def widest(self) -> int:
-        """The largest of those that have to arrive yet."""
-        return max(self.waiting, key=lambda robot: (self.robots[robot].body_radius, robot))
 
     def disc(self, robot: int, other: int, place: np.ndarray) -> Disc:
         """What a robot keeps out of when another stands at a place."""

@@ -6,6 +6,8 @@ falls (simulated annealing). One try costs a pass through the events, where a di
 contested window: with thousands of windows a hundredth.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -15,6 +17,14 @@ from social_fleet.coordination.order_state import OrderState
 
 _REPAIRS = 12  # further orders that are turned for one, at most
 _WHOLE_PAIRS = 3  # one try in so many turns all orders of the two robots that were alike
+
+
+class Pairs(NamedTuple):
+    """The pair of robots of every window, and the windows of every pair: those of pair p from starts[p] on."""
+
+    of: np.ndarray
+    windows: np.ndarray
+    starts: np.ndarray
 
 
 class OrderAnnealing:
@@ -37,17 +47,17 @@ class OrderAnnealing:
     def __init__(self, state: OrderState, sides: np.ndarray) -> None:
         self._state = state
         self._sides = sides.copy()
-        self._base = state.arrivals().copy()
+        self._unavoidable = state.arrivals().copy()
+        self._least = state.cost()
         edges = state.graph.edges
         self._incoming = np.argsort(edges.heads, kind="stable")
         self._in_starts = np.searchsorted(edges.heads[self._incoming], np.arange(len(state.times) + 1))
-        tails = np.repeat(np.arange(len(state.times)), np.diff(edges.starts))
-        ends = np.sort(state.robots[np.stack((tails, edges.heads), axis=1)], axis=1)
-        pairs = np.zeros(len(sides), dtype=np.int64)
-        pairs[edges.owners] = ends[:, 0] * len(self._base) + ends[:, 1]
-        self._pair_of = np.unique(pairs, return_inverse=True)[1]
-        self._by_pair = np.argsort(self._pair_of, kind="stable")
-        self._pair_starts = np.searchsorted(self._pair_of[self._by_pair], np.arange(len(sides) + 1))
+        ends = np.sort(state.robots[np.stack((edges.tails, edges.heads), axis=1)], axis=1)
+        names = np.zeros(len(sides), dtype=np.int64)
+        names[edges.owners] = ends[:, 0] * len(state.goals) + ends[:, 1]
+        pair_of = np.unique(names, return_inverse=True)[1]
+        by_pair = np.argsort(pair_of, kind="stable")
+        self._pairs = Pairs(pair_of, by_pair, np.searchsorted(pair_of[by_pair], np.arange(len(sides) + 1)))
         self.best = sides.copy()
         self.cost = float("inf")
 
@@ -59,21 +69,21 @@ class OrderAnnealing:
         tries : int
             Passes through the events.
         temperature : float
-            By how much a worse cost still has a fair chance, as a share of the cost.
+            By how much a worse cost still has a fair chance, as a share of what orders cost.
         seed : int
         """
         state, graph = self._state, self._state.graph
         cost, best = _anneal(
             seed, tries, temperature, graph.events, graph.edges, graph.margin, self._incoming, self._in_starts,
-            state.goals, self._base, state.weights, state.longest, state.possible, self._pair_of, self._by_pair,
-            self._pair_starts, self._sides)
+            state.goals, self._unavoidable, self._least, state.weights, state.longest, state.possible, self._pairs,
+            self._sides)
         if cost < self.cost:
             self.cost, self.best = float(cost), best
 
 
 @njit(cache=True, nogil=True)
 def _anneal(seed, tries, temperature, events, edges, margin, incoming, in_starts,  # type: ignore[no-untyped-def]
-            goals, base, weights, longest, possible, pair_of, by_pair, pair_starts, sides):
+            goals, unavoidable, least, weights, longest, possible, pairs, sides):
     """The lowest cost that was met, and its sides; `sides` are where it ends."""
     np.random.seed(seed)
     count = len(events.floors)
@@ -88,13 +98,13 @@ def _anneal(seed, tries, temperature, events, edges, margin, incoming, in_starts
     lowest = cost
     while tries > 0:
         tries -= 1
-        robot = _late_robot(times, goals, base, weights, longest)
+        robot = _late_robot(times, goals, unavoidable, weights, longest)
         length = 0 if robot < 0 else _chain(goals[robot], events, edges, causes, found)
         if length == 0:
             break
         trial = sides.copy()
         turned[:] = False
-        _turn(found[np.random.randint(length)], trial, possible, turned, pair_of, by_pair, pair_starts)
+        _turn(found[np.random.randint(length)], trial, possible, turned, pairs)
         if not turned.any():
             continue
         stuck = spread(events, edges, trial, margin, new_times, new_causes, degrees, queue)
@@ -112,7 +122,8 @@ def _anneal(seed, tries, temperature, events, edges, margin, incoming, in_starts
         if stuck != SPREAD:
             continue
         new_cost = order_kernels.cost(new_times, goals, weights, longest)
-        if new_cost <= cost or np.random.random() < np.exp((cost - new_cost) / max(temperature * cost, 1e-9)):
+        heat = max(temperature * (cost - least), 1e-9)
+        if new_cost <= cost or np.random.random() < np.exp((cost - new_cost) / heat):
             cost = new_cost
             sides[:] = trial
             times, new_times = new_times, times
@@ -124,11 +135,11 @@ def _anneal(seed, tries, temperature, events, edges, margin, incoming, in_starts
 
 
 @njit(cache=True)
-def _late_robot(times, goals, base, weights, longest):  # type: ignore[no-untyped-def]
+def _late_robot(times, goals, unavoidable, weights, longest):  # type: ignore[no-untyped-def]
     """One that orders delay, in proportion to what that costs, or the last of all; -1 where none is late."""
     robot, total = -1, 0.0
     for index in range(len(goals)):
-        delay = weights[index] * (times[goals[index]] - base[index])
+        delay = weights[index] * (times[goals[index]] - unavoidable[index])
         if delay <= 0.0:
             continue
         if longest:
@@ -186,16 +197,16 @@ def _cycle(events, edges, incoming, in_starts, sides, degrees, found):  # type: 
 
 
 @njit(cache=True)
-def _turn(window, sides, possible, turned, pair_of, by_pair, pair_starts):  # type: ignore[no-untyped-def]
+def _turn(window, sides, possible, turned, pairs):  # type: ignore[no-untyped-def]
     """Turn a window's order round, and perhaps all orders alike of the same two robots."""
     side = sides[window]
     if not possible[window, 1 - side]:
         return
     sides[window], turned[window] = 1 - side, True
     if np.random.randint(_WHOLE_PAIRS) == 0:
-        pair = pair_of[window]
-        for place in range(pair_starts[pair], pair_starts[pair + 1]):
-            other = by_pair[place]
+        pair = pairs.of[window]
+        for place in range(pairs.starts[pair], pairs.starts[pair + 1]):
+            other = pairs.windows[place]
             if sides[other] == side and possible[other, 1 - side]:
                 sides[other], turned[other] = 1 - side, True
 

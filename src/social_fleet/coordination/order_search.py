@@ -21,7 +21,7 @@ from social_fleet.errors import TimedOut
 _FULL_CUT = 3  # orders of a cut for which all subsets are priced
 _MASTER_GAP = 0.05  # of the delays, to which the master is solved while the two have not met
 _BATCH = 500  # orders turned between two looks at the clock, ...
-_HEAT = 0.03  # ... at first even where that costs about so much, as a share
+_HEAT = 0.04  # ... at first even where that costs about so much, as a share of what orders cost
 _WORTH = 1e-3  # delays that differ by less are the same [s]
 
 
@@ -101,17 +101,17 @@ class OrderSearch:
                 break
             self._try(wanted)
 
-    def anneal(self, tries: int, *, deadline: float) -> None:
-        """Look for better orders than those found, `tries` times or until the deadline, by turning single ones."""
+    def anneal(self, tries: int, *, gap: float, deadline: float) -> None:
+        """Look for better orders than those found by turning single ones, as long as `improve` would."""
         times = self.state.graph.least_times(self.sides)[0]
         kept = np.where(self.state.kept(times)[:, 0], 0, 1)
         annealing = OrderAnnealing(self.state, np.where(self.sides >= 0, self.sides, kept))
         for begun in range(0, tries, _BATCH):
-            if time.monotonic() > deadline:
+            if self.gap <= gap or time.monotonic() > deadline:
                 break
             annealing.run(min(_BATCH, tries - begun), _HEAT * (1.0 - begun / tries), seed=begun)
-        if annealing.cost < self.cost - 1e-9:
-            self._take(annealing.cost, annealing.best)
+            if annealing.cost < self.cost - 1e-9:
+                self._take(annealing.cost, annealing.best)
 
     def prove(self, rounds: int, *, gap: float, deadline: float, solver: Optional[str],
               nodes: Optional[int] = None) -> None:

@@ -137,8 +137,10 @@ class ExactProgram:
                 break
             search.improve(_TRIES, gap=self._gap, deadline=end())
             self._prove(search, end(), calls=_PROOFS)
+        if hopeless and not math.isfinite(search.cost):
+            search.improve(_TRIES, gap=math.inf, deadline=first)
         if hopeless and math.isfinite(search.cost):
-            search.anneal(self._effort * _TURNED, deadline=deadline)
+            search.anneal(self._effort * _TURNED, gap=self._gap, deadline=deadline)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=first, solver=self._solver)
         if not math.isfinite(search.cost):

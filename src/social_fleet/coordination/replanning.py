@@ -163,7 +163,7 @@ def _with_plan(robot: Robot, plan: Plan) -> Robot:
 
 
 def plan_of(robot: Robot) -> Plan:
-    """The robot's path as a plan; where it was given as points, one without a social cost."""
+    """The robot's path as a plan; where it was given as points, one without a social cost [m]."""
     if isinstance(robot.plan, Plan):
         return robot.plan
     length = robot.path.length

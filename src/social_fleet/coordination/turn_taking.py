@@ -76,6 +76,8 @@ class TurnTaking:
         """The robots with paths that `turns` fit; None when this search knows none."""
         if not self._makes_way:
             return None  # those under way would have to wait for others to make way
+        if not self._lead_round_settled():
+            return None
         fruitless = 0
         while self._crowd.waiting:
             if self._expired():
@@ -93,15 +95,26 @@ class TurnTaking:
                 return None
         return [self._rerouted(index) for index in range(len(self._robots))]
 
+    def _lead_round_settled(self) -> bool:
+        """Lead all whose way is barred by one that is under way round its goal; False where there is no way."""
+        crowd = self._crowd
+        for robot in np.flatnonzero(crowd.blocked()[:, self._planned:].any(axis=1)).tolist():
+            way = self._way(robot, crowd.goals[robot], crowd.settled())
+            if way is None:
+                return False
+            self._use(robot, way)
+        return True
+
     def _arrive(self) -> bool:
         """Let one robot drive to its goal, to stay."""
         crowd, blocked, harms = self._crowd, self._crowd.blocked(), self._crowd.harms()
         free = [robot for robot in crowd.waiting if not blocked[robot].any()]
         for robot in sorted(free, key=lambda robot: (harms[:, robot].sum(), robot)):
-            if not self._is_kept_off(robot) and self._settle(robot, harms):
+            if not self._is_kept_off(robot) and not self._expired() and self._settle(robot, harms):
                 return True
         for robot in [robot for robot in crowd.waiting if robot not in free]:
-            if not self._is_kept_off(robot) and self._waiting_places.reaches_goal(robot):
+            if (not self._is_kept_off(robot) and not self._expired()
+                    and self._waiting_places.reaches_goal(robot)):
                 way = self._way(robot, crowd.goals[robot], crowd.others(robot))
                 if way is not None and self._settle(robot, harms, way):
                     return True
@@ -132,13 +145,15 @@ class TurnTaking:
 
     def _make_way(self) -> bool:
         """Let others step aside so that one robot can drive to its goal, or that it may arrive without harm to them."""
-        crowd, blocked = self._crowd, self._crowd.blocked()
+        crowd, blocked, turns = self._crowd, self._crowd.blocked(), self._crowd.turns
 
         def rank(robot: int) -> Tuple[int, bool, int, int, int]:
             return (self._helped[robot] // _TRIES, self._is_kept_off(robot), self._helped[robot],
                     int(blocked[robot].sum()), robot)
 
         for robot in sorted((robot for robot in crowd.waiting if robot not in self._recalled), key=rank):
+            if self._expired():
+                break
             shut = self._waiting_places.shut_out_by(robot)
             if shut is not None:
                 self._keep_off(robot, shut)
@@ -150,7 +165,7 @@ class TurnTaking:
                     return True
             elif blocked[robot].any() and self._clear(robot, [robot], robot):
                 return True
-        return False
+        return crowd.turns > turns  # who has moved may be out of the way of others
 
     def _clear(self, robot: int, parties: Sequence[int], arriving: int) -> bool:
         """Bring all that stand in a robot's way where they are in no party's."""
@@ -183,6 +198,8 @@ class TurnTaking:
         crowd = self._crowd
         ways = [crowd.ways[party] for party in parties if party != robot]
         for place in self._waiting_places.beyond_others(robot, ways, arriving=arriving):
+            if self._expired():
+                return False
             there = self._way(robot, place, crowd.settled())
             if there is None or self._way(robot, crowd.goals[robot], crowd.settled(), start=place) is None:
                 continue
@@ -223,6 +240,7 @@ class TurnTaking:
                 self._onward.pop(robot, None)
                 crowd.recall(robot)
                 self._recalled.add(robot)
+        self._kept_off.clear()
         return True
 
     def _keep_off(self, robot: int, other: int) -> None:
@@ -264,7 +282,7 @@ class TurnTaking:
             x, y = crowd.goals[other] if other == arrived else crowd.places[other]
             distance = crowd.distances[robot, other]
             ends = min(np.hypot(*(start - (x, y))), np.hypot(*(goal - (x, y))))
-            if ends < distance:
+            if ends < distance + (ROOM if crowd.aside[other] and other != arrived else 0.0):
                 return None
             radius = min(distance + ROOM, max(0.5 * (distance + ends), ends - _BESIDE))
             discs.append(Disc(float(x), float(y), float(radius)))
@@ -275,7 +293,7 @@ class TurnTaking:
         if not plans or len(plans) == 1 and np.array_equal(plans[0].points, robot.path.points):
             return robot
         plan = plans[0]
-        stops: List[float] = []
+        stops = list(plan.stops)
         for onward in plans[1:]:
             stops.append(plan.length)
             plan = joined(plan, onward)

@@ -30,13 +30,19 @@ class WaitingPlaces:
         self._known: Dict[Tuple[str, float], Tuple[Tuple[int, ...], Regions]] = {}
 
     def within_reach(self, robot: int, ways: Sequence[Polyline], *, arriving: Optional[int] = None) -> List[np.ndarray]:
-        """Places clear of some ways that a robot reaches while all others stand, best first.
+        """Places clear of some ways that a robot reaches while all others stand.
 
         Parameters
         ----------
+        robot : int
         ways : sequence of Polyline
         arriving : int, optional
             From where it still gets to its goal when this one stands at its own.
+
+        Returns
+        -------
+        list of (2,) array
+            The best first [m]; empty where there are none.
         """
         room = self._room(robot)
         inside = np.isin(self._regions("standing", robot).holding(room), self._around(robot))
@@ -74,7 +80,7 @@ class WaitingPlaces:
         crowd = self._crowd
         if arriving is not None and arriving != robot:
             regions = self._after(robot, arriving)
-            room = room[regions.holding(room) == regions.of(crowd.goals[[robot]])[0]]
+            room = room[_in_one_part(regions, room, crowd.goals[robot])]
         others = crowd.others(robot)
         room = room[(np.hypot(*(room[:, None] - crowd.places[others]).T).T
                      >= crowd.distances[robot, others] + ROOM).all(axis=1)]
@@ -91,8 +97,7 @@ class WaitingPlaces:
 
     def _connected(self, robot: int, room: np.ndarray) -> np.ndarray:
         """Which of some places it could get to round those that have arrived."""
-        regions = self._regions("settled", robot)
-        return regions.holding(room) == regions.of(self._crowd.places[[robot]])[0]
+        return _in_one_part(self._regions("settled", robot), room, self._crowd.places[robot])
 
     def _after(self, robot: int, arriving: int) -> Regions:
         """What robots of one size reach from where when one more stands at its goal."""
@@ -113,3 +118,9 @@ class WaitingPlaces:
     def _room(self, robot: int) -> np.ndarray:
         """Where a robot fits (M, 2) [m]."""
         return self._replanner.standing_room(self._crowd.robots[robot])
+
+
+def _in_one_part(regions: Regions, room: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Which of some places (M, 2) [m] hang together with one."""
+    labels = regions.holding(room)
+    return (labels > 0) & (labels == regions.of(place[None])[0])
