@@ -31,7 +31,7 @@ class Plan:
     search_time : float
         Wall time of search and smoothing [s].
     planner : str
-        ``social``, ``shortest`` or ``rrt_star``.
+        ``social``, ``shortest`` or ``rrt_star``; ``given`` where the points came without a planner.
     robot_radius : float
         Radius that the path was planned for [m].
     start_yaw, goal_yaw : float, optional
