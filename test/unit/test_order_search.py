@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fleets import robot, street_fleet
 
+from social_fleet.coordination import order_state
 from social_fleet.coordination.encounters import EncounterFinder
 from social_fleet.coordination.event_graph import EventGraph, Motion, Sides, Wait
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
@@ -67,6 +68,20 @@ def test_the_search_never_gets_worse_and_is_repeatable(seed: int) -> None:
         assert costs == sorted(costs, reverse=True)
         found.append((costs, search.sides.tolist()))
     assert found[0] == found[1]
+
+
+def test_orders_of_turns_are_taken_as_they_are_however_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    fleet = street_fleet(12, 3)
+    _, search = prepared(fleet, most=40)
+    search.improve(1, gap=0.0, deadline=soon())
+    known, cost = search.sides.copy(), search.cost
+    monkeypatch.setattr(order_state, "_TRAIL", 0)
+    monkeypatch.setattr(order_state, "_SHORTEST_TRAIL", 2 * len(fleet) + 8)  # as if there were thousands
+    _, search = prepared(fleet, most=40)
+    search.improve(1, gap=0.0, deadline=soon())
+    assert math.isinf(search.cost)
+    search.begin(known)
+    assert search.cost == pytest.approx(cost, abs=1e-6)
 
 
 def test_past_the_deadline_nothing_is_done() -> None:

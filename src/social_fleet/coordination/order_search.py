@@ -83,7 +83,11 @@ class OrderSearch:
         """Take orders of robots that take turns, possible together (-1: open); they may be far from good."""
         self._takes_turns = True
         self._by_time = self._sequence(sides)
-        self._try(sides)
+        completed, times = self._completed(sides)
+        if completed is None:
+            self._try(sides)
+        else:
+            self._take(self.state.cost(times), completed)
 
     def improve(self, rounds: int, *, gap: float, deadline: float) -> None:
         """Look for better orders, `rounds` times, until within `gap` or the deadline on `time.monotonic`'s clock."""
@@ -103,9 +107,10 @@ class OrderSearch:
 
     def anneal(self, tries: int, *, gap: float, deadline: float) -> None:
         """Look for better orders than those found by turning single ones, as long as `improve` would."""
-        times = self.state.graph.least_times(self.sides)[0]
-        kept = np.where(self.state.kept(times)[:, 0], 0, 1)
-        annealing = OrderAnnealing(self.state, np.where(self.sides >= 0, self.sides, kept))
+        completed, _ = self._completed(self.sides)
+        if completed is None:
+            return
+        annealing = OrderAnnealing(self.state, completed)
         for begun in range(0, tries, _BATCH):
             if self.gap <= gap or time.monotonic() > deadline:
                 break
@@ -208,6 +213,13 @@ class OrderSearch:
         state.take_back(self._root)
         held = [index for index, chain in enumerate(chains) if len(chain)]
         return delays[late][held], [chains[index] for index in held]
+
+    def _completed(self, sides: np.ndarray) -> Tuple[Optional[np.ndarray], np.ndarray]:
+        """Orders of all windows, those left open by what the least times keep, and these; None where they keep none."""
+        times, delay = self.state.graph.least_times(sides)
+        kept = self.state.kept(times)
+        possible = math.isfinite(delay) and bool(((sides >= 0) | kept.any(axis=1)).all())
+        return np.where(sides >= 0, sides, np.where(kept[:, 0], 0, 1)) if possible else None, times
 
     def _try(self, wanted: np.ndarray) -> None:
         cost, sides = self.state.dive(wanted, self._by_time, self.cost)

@@ -107,9 +107,9 @@ class OrderState:
         """Earliest arrivals of all robots (R,) [s]."""
         return self.times[self.goals]
 
-    def cost(self) -> float:
-        """The objective [s], weighted."""
-        return float(order_kernels.cost(self.times, self.goals, self.weights, self.longest))
+    def cost(self, times: Optional[np.ndarray] = None) -> float:
+        """The objective [s], weighted, under the orders given or at `times`."""
+        return float(order_kernels.cost(self.times if times is None else times, self.goals, self.weights, self.longest))
 
     def contested(self) -> np.ndarray:
         """Open windows of which the times keep neither order, by when the first of the robots is there."""

@@ -125,12 +125,13 @@ class ExactProgram:
         search = OrderSearch(graph, self.motions, self._relative, self._makespan)
         if self._known is not None:
             search.begin(self._known)
-        search.improve(1, gap=self._gap, deadline=deadline)
+        hopeless = self._known is not None and len(self.encounters) > _CROWDED
+        if not hopeless:
+            search.improve(1, gap=self._gap, deadline=deadline)
 
         def end() -> float:
             return deadline if math.isfinite(search.cost) else first
 
-        hopeless = self._known is not None and len(self.encounters) > _CROWDED
         for _ in range(0 if hopeless else self._effort):
             self._prove(search, end(), calls=1)
             if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end():
