@@ -125,28 +125,34 @@ class ExactProgram:
         search = OrderSearch(graph, self.motions, self._relative, self._makespan)
         if self._known is not None:
             search.begin(self._known)
-        hopeless = self._known is not None and len(self.encounters) > _CROWDED
-        if not hopeless:
-            search.improve(1, gap=self._gap, deadline=deadline)
-
-        def end() -> float:
-            return deadline if math.isfinite(search.cost) else first
-
-        for _ in range(0 if hopeless else self._effort):
-            self._prove(search, end(), calls=1)
-            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end():
-                break
-            search.improve(_TRIES, gap=self._gap, deadline=end())
-            self._prove(search, end(), calls=_PROOFS)
-        if hopeless and not math.isfinite(search.cost):
-            search.improve(_TRIES, gap=math.inf, deadline=first)
-        if hopeless and math.isfinite(search.cost):
-            search.anneal(self._effort * _TURNED, gap=self._gap, deadline=deadline)
+        if self._known is not None and len(self.encounters) > _CROWDED:
+            self._look_without_proof(search, deadline, first)
+        else:
+            self._look_and_prove(search, deadline, first)
         if not math.isfinite(search.cost):
             search.prove(1 << 30, gap=self._gap, deadline=first, solver=self._solver)
         if not math.isfinite(search.cost):
             raise TimedOut(OUT_OF_TIME)
         return search
+
+    def _look_and_prove(self, search: OrderSearch, deadline: float, first: float) -> None:
+        search.improve(1, gap=self._gap, deadline=deadline)
+
+        def end() -> float:
+            return deadline if math.isfinite(search.cost) else first
+
+        for _ in range(self._effort):
+            self._prove(search, end(), calls=1)
+            if search.gap <= max(self._gap, 1e-9) and math.isfinite(search.cost) or time.monotonic() > end():
+                break
+            search.improve(_TRIES, gap=self._gap, deadline=end())
+            self._prove(search, end(), calls=_PROOFS)
+
+    def _look_without_proof(self, search: OrderSearch, deadline: float, first: float) -> None:
+        if not math.isfinite(search.cost):
+            search.improve(_TRIES, gap=math.inf, deadline=first)
+        if math.isfinite(search.cost):
+            search.anneal(self._effort * _TURNED, gap=self._gap, deadline=deadline)
 
     def _prove(self, search: OrderSearch, deadline: float, *, calls: int) -> None:
         search.prove(calls, gap=self._gap, deadline=deadline, solver=self._solver, nodes=_NODES)
