@@ -191,7 +191,7 @@ def test_orders_of_a_crowd_are_annealed(objective: str, monkeypatch: pytest.Monk
     monkeypatch.setattr(OrderSearch, "anneal", watched)
     monkeypatch.setattr(program, "_CROWDED", 0)
     fleet = coordinate(lane(*REVERSED), replanner=replanner(SIDING), objective=objective, time_limit=20.0)
-    assert len(deadlines) == 1 and 0.0 < deadlines[0] <= 20.0
+    assert len(deadlines) in (1, 2) and all(0.0 < left <= 20.0 for left in deadlines)
     assert verify(fleet).min_clearance >= 0.2 - 1e-6 and "in turn" in fleet.message
 
 

@@ -27,7 +27,10 @@ _PROOFS = 2  # calls of the master when they have been searched, ...
 _NODES = 5  # ... and of its own search in each, while it has more binaries than ...
 _FEW = 60  # ... this; with fewer, as many as it takes
 _CROWDED = 1000  # windows of robots that have to take turns, from which on nothing is proven, ...
-_TURNED = 8000  # ... but so many orders are turned round
+_TURNED_AT_FIRST = 1000  # ... but so many orders are turned round, and then, ...
+_WIDE, _MOST_DIVED = 0.2, 4000  # ... where the gap is more than this share, or there are more windows, ...
+_TURNED = 8000  # ... so many more; ...
+_LONG = 4  # ... else so many times as many neighbourhoods are searched
 _EXPLAINED = 200  # calls of the master to see whether some windows have a common order
 
 
@@ -151,8 +154,13 @@ class ExactProgram:
     def _look_without_proof(self, search: OrderSearch, deadline: float, first: float) -> None:
         if not math.isfinite(search.cost):
             search.improve(_TRIES, gap=math.inf, deadline=first)
-        if math.isfinite(search.cost):
+        if not math.isfinite(search.cost):
+            return
+        search.anneal(_TURNED_AT_FIRST, gap=self._gap, deadline=deadline)
+        if search.gap > _WIDE or len(self.encounters) > _MOST_DIVED:
             search.anneal(self._effort * _TURNED, gap=self._gap, deadline=deadline)
+        else:
+            search.improve(self._effort * _LONG * _TRIES, gap=self._gap, deadline=deadline)
 
     def _prove(self, search: OrderSearch, deadline: float, *, calls: int) -> None:
         search.prove(calls, gap=self._gap, deadline=deadline, solver=self._solver, nodes=_NODES)
