@@ -15,7 +15,7 @@ import numpy as np
 from social_fleet.coordination.delay_program import DelayProgram
 from social_fleet.coordination.event_graph import EventGraph, Motion
 from social_fleet.coordination.order_annealing import OrderAnnealing
-from social_fleet.coordination.order_state import Choice, OrderState
+from social_fleet.coordination.order_state import Choice, OrderState, with_kept
 from social_fleet.errors import TimedOut
 
 _FULL_CUT = 3  # orders of a cut for which all subsets are priced
@@ -219,7 +219,7 @@ class OrderSearch:
         times, delay = self.state.graph.least_times(sides)
         kept = self.state.kept(times)
         possible = math.isfinite(delay) and bool(((sides >= 0) | kept.any(axis=1)).all())
-        return np.where(sides >= 0, sides, np.where(kept[:, 0], 0, 1)) if possible else None, times
+        return with_kept(sides, kept) if possible else None, times
 
     def _try(self, wanted: np.ndarray) -> None:
         cost, sides = self.state.dive(wanted, self._by_time, self.cost)

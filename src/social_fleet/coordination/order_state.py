@@ -180,6 +180,11 @@ class OrderState:
                 np.searchsorted(pairs[:, 0], np.arange(robots + 1)).astype(np.int64))
 
 
+def with_kept(sides: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Orders of all windows (W,): the given ones, and for those open (-1) what is `kept` (`OrderState.kept`)."""
+    return np.where(sides >= 0, sides, np.where(kept[:, 0], 0, 1))
+
+
 def _horizon(motions: Sequence[Motion], windows: int, margin: float) -> float:
     """Eq. 8, with the margins: no robot has to arrive later than nominal by more [s]."""
     longest = sum(max(motion.timing.duration + motion.depart, 0.0) for motion in motions)

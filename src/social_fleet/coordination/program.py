@@ -18,6 +18,7 @@ from social_fleet.coordination.encounters import Encounter, Order
 from social_fleet.coordination.event_graph import EventGraph, Motion, Pace, Sides, Wait
 from social_fleet.coordination.options import OUT_OF_TIME
 from social_fleet.coordination.order_search import Contradiction, OrderSearch
+from social_fleet.coordination.order_state import with_kept
 from social_fleet.coordination.timing import Timing
 from social_fleet.errors import SolverFailed, TimedOut
 
@@ -200,7 +201,7 @@ class ExactProgram:
     def _orders(self, search: OrderSearch, times: np.ndarray) -> List[Order]:
         """The order of every window: the one chosen, or the one that the times keep."""
         kept = search.state.kept(times)
-        sides = np.where(search.sides >= 0, search.sides, np.where(kept[:, 0], 0, 1))
+        sides = with_kept(search.sides, kept)
         if not kept[np.arange(len(sides)), sides].all():
             raise SolverFailed("the times found do not keep every window")
         return [encounter.orders[side] for encounter, side in zip(self.encounters, sides.tolist())]
